@@ -1,0 +1,96 @@
+"""Files that are whole or absent: written under a temporary name, flushed to the disk, then renamed."""
+
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from glossspace.errors import GlossError
+
+__all__ = ["read_json", "sha256_of", "shipped_folder", "whole_file", "write_bytes", "write_json", "write_text"]
+
+
+@contextmanager
+def whole_file(path: str | Path) -> Iterator[Path]:
+    """Give a temporary path beside `path`; on success flush it and rename it to `path`, on any failure remove it.
+
+    For writers that want a file name (image and plot libraries). `write_bytes` serves the others.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> with whole_file(folder / "a.txt") as temporary:
+    ...     _ = temporary.write_text("whole")
+    >>> (folder / "a.txt").read_text()
+    'whole'
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    # The suffix is kept, since image writers choose the format by it.
+    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=f".part{path.suffix}")
+    os.close(descriptor)
+    temporary = Path(name)
+    try:
+        yield temporary
+        with temporary.open("rb+") as stream:
+            os.fsync(stream.fileno())
+        temporary.chmod(0o644)  # mkstemp makes files that only their owner reads
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_bytes(path: str | Path, content: bytes) -> None:
+    """Write `content` to `path`, whole or not at all."""
+    with whole_file(path) as temporary:
+        temporary.write_bytes(content)
+
+
+def write_text(path: str | Path, content: str) -> None:
+    """Write `content` as UTF-8 without a byte order mark and with ``\\n`` line ends, whole or not at all."""
+    write_bytes(path, content.encode("utf-8"))
+
+
+def write_json(path: str | Path, document: Any) -> None:
+    """Write strict, indented JSON: NaN and infinity are refused, since other languages cannot read them."""
+    write_text(path, json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def read_json(path: str | Path, *, what: str) -> dict[str, Any]:
+    """Read a JSON object; `what` names the kind of file in the error message.
+
+    Raises
+    ------
+    GlossError
+        The file is missing, unreadable, not JSON or not an object.
+    """
+    path = Path(path)
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise GlossError(f"No {what} at '{path}'. Check the path.") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise GlossError(f"Cannot read the {what} '{path}': {error}.") from None
+    except json.JSONDecodeError as error:
+        raise GlossError(f"The {what} '{path}' is not valid JSON (line {error.lineno}: {error.msg}).") from None
+    if not isinstance(document, dict):
+        raise GlossError(f"The {what} '{path}' must hold a JSON object, but holds a {type(document).__name__}.")
+    return document
+
+
+def sha256_of(path: str | Path) -> str:
+    """SHA-256 of a file's content as 64 hexadecimal digits."""
+    with Path(path).open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def shipped_folder(package_file: str, name: str) -> Path:
+    """Folder `name` that ships with a package: inside it in a wheel, beside it in a checkout."""
+    package = Path(package_file).parent
+    inside = package / name
+    return inside if inside.is_dir() else package.parent / name
