@@ -1,0 +1,192 @@
+"""A gloss space: axis functions, weights, and the distance they define (eq. 5 of the gloss paper)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from glossspace.errors import GlossError
+from glossspace.files import read_json, write_json
+from glossspace.metric.axes import Paint, contrast_gloss, distinctness
+from glossspace.metric.validity import FloatArray, as_floats
+
+__all__ = ["PAPER_SPACE", "AxisFunction", "GlossSpace"]
+
+_FORMAT = "glossspace/gloss-space"
+_VERSION = 1
+_FORMS = {"c": "cbrt(rho_s + rho_d/2) - cbrt(rho_d/2)", "d": "1 - alpha"}
+
+
+@dataclass(frozen=True)
+class AxisFunction:
+    """How observers' ratings of single images rose along one axis: rating = intercept + slope * coordinate.
+
+    Attributes
+    ----------
+    slope, intercept, r_squared : float
+        The least-squares line through the mean ratings and its squared correlation.
+    n_stimuli : int
+        How many stimuli the line was fitted to.
+    """
+
+    slope: float
+    intercept: float
+    r_squared: float
+    n_stimuli: int
+
+
+@dataclass(frozen=True)
+class GlossSpace:
+    """A perceptually uniform gloss space: D = sqrt((weight_c dc)^2 + (weight_d dd)^2).
+
+    The default is the gloss paper's. A space fitted on new data is saved and loaded as versioned JSON.
+
+    Attributes
+    ----------
+    weight_c, weight_d : float
+        Weights of contrast gloss and distinctness of image, > 0. Only their ratio is meaningful for uniformity;
+        by convention weight_c is 1.
+    name : str
+        Whose space this is.
+    weight_d_ci95 : tuple of float, optional
+        95 % confidence interval of weight_d / weight_c.
+    axis_functions : mapping of str to AxisFunction
+        Per axis, the regression of magnitude estimates on it, where it was made.
+    stimulus_range : mapping of str to (low, high)
+        The parameters that the judged stimuli spanned.
+    provenance : mapping
+        Where the space came from: data, observers (simulated or human), software, seed.
+
+    Examples
+    --------
+    >>> round(float(GlossSpace().distance(Paint(0.193, 0.066, 0.07), Paint(0.193, 0.066, 0.04))), 4)
+    0.0534
+    """
+
+    weight_c: float = 1.0
+    weight_d: float = 1.78
+    name: str = "Pellacini, Ferwerda and Greenberg (2000)"
+    weight_d_ci95: tuple[float, float] | None = None
+    axis_functions: Mapping[str, AxisFunction] = field(default_factory=dict)
+    stimulus_range: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name, weight in (("weight_c", self.weight_c), ("weight_d", self.weight_d)):
+            if isinstance(weight, bool) or not isinstance(weight, int | float) or not 0 < weight < np.inf:
+                raise GlossError(f"Invalid {name} = {weight!r} of a gloss space. Allowed: a finite number > 0.")
+
+    def coordinates(self, paint: Paint) -> tuple[FloatArray, FloatArray]:
+        """Coordinates (c, d) of a paint, unweighted, broadcast to one shape.
+
+        Raises
+        ------
+        GlossError
+            A parameter of the paint is impossible.
+        """
+        c, d = np.broadcast_arrays(contrast_gloss(paint.rho_d, paint.rho_s), distinctness(paint.alpha))
+        return c.copy()[()], d.copy()[()]
+
+    def distance(self, paint_a: Paint, paint_b: Paint) -> FloatArray:
+        """Gloss distance between paints (eq. 5); their lightness enters through c alone.
+
+        Parameters
+        ----------
+        paint_a, paint_b : Paint
+            (rho_d, rho_s, alpha), scalars or arrays that broadcast.
+
+        Returns
+        -------
+        ndarray or float
+            D >= 0. NaN in gives NaN out.
+
+        Raises
+        ------
+        GlossError
+            A parameter is impossible.
+        """
+        c_a, d_a = self.coordinates(paint_a)
+        c_b, d_b = self.coordinates(paint_b)
+        return self.distance_between(c_a, d_a, c_b, d_b)
+
+    def distance_between(self, c_a: ArrayLike, d_a: ArrayLike, c_b: ArrayLike, d_b: ArrayLike) -> FloatArray:
+        """Gloss distance between points (c_a, d_a) and (c_b, d_b) of the space (eq. 5), which broadcast."""
+        delta_c = as_floats(c_a, name="c") - as_floats(c_b, name="c")
+        delta_d = as_floats(d_a, name="d") - as_floats(d_b, name="d")
+        return np.hypot(self.weight_c * delta_c, self.weight_d * delta_d)[()]
+
+    def save(self, path: str | Path) -> None:
+        """Write the space as versioned JSON, whole or not at all."""
+        axes = {}
+        for axis, weight, ci95 in (("c", self.weight_c, None), ("d", self.weight_d, self.weight_d_ci95)):
+            function = self.axis_functions.get(axis)
+            axes[axis] = {
+                "form": _FORMS[axis],
+                "weight": weight,
+                "weight_ci95": None if ci95 is None else list(ci95),
+                "ratings": None if function is None else vars(function),
+            }
+        write_json(
+            path,
+            {
+                "format": _FORMAT,
+                "version": _VERSION,
+                "name": self.name,
+                "axes": axes,
+                "stimulus_range": {key: list(value) for key, value in self.stimulus_range.items()},
+                "provenance": dict(self.provenance),
+            },
+        )
+
+    @classmethod
+    def load(cls, path: str | Path) -> "GlossSpace":
+        """Read a space that `save` wrote.
+
+        Raises
+        ------
+        GlossError
+            The file is missing, is not a gloss space, is of a newer version, or holds impossible weights.
+        """
+        document = read_json(path, what="gloss space")
+        if document.get("format") != _FORMAT:
+            raise GlossError(
+                f"'{path}' is not a gloss space: its format is {document.get('format')!r}, not '{_FORMAT}'."
+            )
+        if document.get("version") != _VERSION:
+            raise GlossError(
+                f"'{path}' is a gloss space of version {document.get('version')!r}; this program reads version "
+                f"{_VERSION}. Update glossspace, or refit the space."
+            )
+        try:
+            axes = document["axes"]
+            for axis, form in _FORMS.items():
+                if axes[axis]["form"] != form:
+                    raise GlossError(
+                        f"'{path}': axis {axis} has the form {axes[axis]['form']!r}, which this version does not know. "
+                        f"Known: {form!r}."
+                    )
+            ci95 = axes["d"]["weight_ci95"]
+            return cls(
+                weight_c=axes["c"]["weight"],
+                weight_d=axes["d"]["weight"],
+                name=str(document["name"]),
+                weight_d_ci95=None if ci95 is None else (float(ci95[0]), float(ci95[1])),
+                axis_functions={a: AxisFunction(**axes[a]["ratings"]) for a in _FORMS if axes[a].get("ratings")},
+                stimulus_range={k: (float(v[0]), float(v[1])) for k, v in document.get("stimulus_range", {}).items()},
+                provenance=document.get("provenance", {}),
+            )
+        except (KeyError, TypeError, IndexError, AttributeError) as error:
+            raise GlossError(
+                f"The gloss space '{path}' is damaged: {error!r}. Restore the file or refit the space."
+            ) from None
+        except GlossError:
+            raise
+        except ValueError as error:
+            raise GlossError(f"The gloss space '{path}' is damaged: {error}. Restore it or refit the space.") from None
+
+
+PAPER_SPACE = GlossSpace()
+"""The gloss paper's space: D = sqrt(dc^2 + (1.78 dd)^2)."""
