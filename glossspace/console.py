@@ -1,32 +1,62 @@
 """What every sub-command shares: results on stdout, progress on stderr, and the ``--json`` flag."""
 
 import json
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Annotated, Any
 
+import numpy as np
+import pandas as pd
 from cyclopts import Parameter
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Table
 
-__all__ = ["JsonFlag", "note", "print_json", "progress_bar"]
+__all__ = ["JsonFlag", "note", "print_json", "print_table", "progress_bar"]
 
-JsonFlag = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON document and nothing else.")]
+JsonFlag = Annotated[
+    bool,
+    Parameter(name="--json", negative="", show_default=False, help="Print one JSON document and nothing else."),
+]
+
+# A pipe or a file has no width: rich would squeeze the table into 80 columns and cut numbers.
+_PIPE_WIDTH = 160
 
 
 def print_json(document: Any) -> None:
     """Print `document` as the one JSON document on stdout. NaN and infinity become null."""
-    print(json.dumps(_finite(document), indent=2, ensure_ascii=False, allow_nan=False))
+    print(json.dumps(_plain(document), indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def _finite(value: Any) -> Any:
+def _plain(value: Any) -> Any:
     if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
     if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and value - value != 0:
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not np.isfinite(value):
         return None
     return value
+
+
+def print_table(rows: pd.DataFrame, *, title: str | None = None) -> None:
+    """Print a data frame as a table on stdout: numbers to six significant digits, NaN as a dash."""
+    table = Table(*(str(column) for column in rows.columns), title=title, title_justify="left")
+    for row in rows.itertuples(index=False):
+        table.add_row(*(_cell(value) for value in row))
+    Console(highlight=False, width=None if sys.stdout.isatty() else _PIPE_WIDTH).print(table)
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        value = value.item()
+    if isinstance(value, bool | np.bool_):
+        return "yes" if value else "no"
+    if isinstance(value, float | np.floating):
+        return "–" if np.isnan(value) else f"{value:.6g}"
+    return str(value)
 
 
 def note(message: str) -> None:

@@ -42,7 +42,7 @@ def match_gloss(reference: Paint, *, rho_d: ArrayLike, out_of_reach: Literal["ra
 
     >>> matched = match_gloss(Paint(0.767, 0.099, 0.04), rho_d=0.03)
     >>> round(float(matched.rho_s), 4)
-    0.0137
+    0.0132
     """
     if out_of_reach not in ("raise", "mask"):
         raise GlossError(f"Invalid out_of_reach = {out_of_reach!r}. Allowed: 'raise' and 'mask'.")

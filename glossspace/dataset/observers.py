@@ -1,0 +1,82 @@
+"""``simulated_observers.json``: the true parameters of simulated participants, to compare recovered ones with."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pandas as pd
+
+from glossspace.dataset.lock import locked
+from glossspace.errors import GlossError
+from glossspace.files import read_json, write_json
+
+__all__ = ["SIMULATED_OBSERVERS_FILE", "read_simulated_observers", "record_simulated_observer"]
+
+SIMULATED_OBSERVERS_FILE = "simulated_observers.json"
+_FORMAT = "gloss-simulated-observers"
+
+
+def record_simulated_observer(folder: str | Path, participant: str, parameters: Mapping[str, float]) -> None:
+    """Note that `participant` is simulated, with the parameters that its answers embody.
+
+    Raises
+    ------
+    GlossError
+        The participant is noted already with other parameters.
+    """
+    path = Path(folder) / SIMULATED_OBSERVERS_FILE
+    with locked(Path(folder) / ".dataset.lock"):
+        observers = _observers(path)
+        known = observers.get(participant)
+        if known is not None and known != dict(parameters):
+            raise GlossError(
+                f"Participant '{participant}' of '{folder}' is already simulated with other parameters "
+                f"({', '.join(f'{name} {value:.4g}' for name, value in known.items())}). Use another participant."
+            )
+        if known is None:
+            observers[participant] = dict(parameters)
+            document = {
+                "format": _FORMAT,
+                "version": 1,
+                "note": "These participants are simulated: a program computed their answers from these parameters.",
+                "observers": dict(sorted(observers.items())),
+            }
+            write_json(path, document)
+
+
+def read_simulated_observers(folder: str | Path) -> pd.DataFrame | None:
+    """The true parameters of the simulated participants of a dataset, or None where none is noted.
+
+    Returns
+    -------
+    DataFrame or None
+        One row a participant: ``participant_id`` (str), ``weight_c``, ``weight_d``, ``ratio`` (weight_d / weight_c),
+        ``exponent`` (of the compressive response), ``noise_sd`` (slider units).
+
+    Raises
+    ------
+    GlossError
+        The file is there but cannot be read.
+
+    Examples
+    --------
+    >>> read_simulated_observers("study")["ratio"].median()  # doctest: +SKIP
+    1.78
+    """
+    path = Path(folder) / SIMULATED_OBSERVERS_FILE
+    if not path.exists():
+        return None
+    observers = _observers(path)
+    return pd.DataFrame([{"participant_id": name, **parameters} for name, parameters in observers.items()])
+
+
+def _observers(path: Path) -> dict[str, dict[str, float]]:
+    if not path.exists():
+        return {}
+    document = read_json(path, what="list of simulated observers")
+    if document.get("format") != _FORMAT or document.get("version") != 1:
+        raise GlossError(
+            f"'{path}' has format '{document.get('format')}', version {document.get('version')}; "
+            f"this version reads '{_FORMAT}', version 1. Install the glossspace that wrote it."
+        )
+    observers: dict[str, dict[str, float]] = document["observers"]
+    return observers

@@ -1,0 +1,95 @@
+"""Readers: from a whole dataset to the two tables that analyses take."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from glossspace.dataset.validate import checked_tables
+from glossspace.errors import GlossError
+
+__all__ = ["read_dissimilarities", "read_magnitudes"]
+
+
+def read_dissimilarities(folder: str | Path) -> pd.DataFrame:
+    """All judged differences between pairs, of all participants.
+
+    Parameters
+    ----------
+    folder
+        The dataset. It is validated first.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``participant_id`` (str), ``stimulus_a``, ``stimulus_b`` (str, in alphabetical order whichever side each
+        was on), ``dissimilarity`` (float, 0–100). Identical pairs are included, and zero is data. A pair that a participant
+        judged several times is there once, with the mean; a pair that was not judged is absent.
+
+    Raises
+    ------
+    GlossError
+        The dataset is not whole, or has no pairwise task.
+
+    Examples
+    --------
+    >>> read_dissimilarities("study").groupby("participant_id").size()  # doctest: +SKIP
+    participant_id
+    01    378
+    """
+    rows = [
+        (row["participant_id"], *sorted((row["stimulus_left"], row["stimulus_right"])), float(row["dissimilarity"]))
+        for table, kind in checked_tables(folder)
+        if kind == "pairwise"
+        for _, row in table.rows
+        if row["dissimilarity"]
+    ]
+    if not rows:
+        raise GlossError(f"The dataset '{folder}' holds no judged pair; run 'gloss session pairwise' into it.")
+    keys = ["participant_id", "stimulus_a", "stimulus_b"]
+    table = pd.DataFrame(rows, columns=[*keys, "dissimilarity"])
+    return table.groupby(keys, as_index=False, sort=True)["dissimilarity"].mean()
+
+
+def read_magnitudes(folder: str | Path, task: str) -> pd.DataFrame:
+    """All ratings of single stimuli in one task, of all participants.
+
+    Parameters
+    ----------
+    folder
+        The dataset. It is validated first.
+    task
+        The task's name, such as ``"contrast"`` or ``"doi"``.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``participant_id`` (str), ``stimulus`` (str), ``repeat`` (int, from 1; over all sessions of a participant),
+        ``rating`` (float, 0–100), sorted by the first three. A trial that was not judged is absent.
+
+    Raises
+    ------
+    GlossError
+        The dataset is not whole, or has no magnitude task of that name.
+
+    Examples
+    --------
+    >>> read_magnitudes("study", "doi").groupby("stimulus")["rating"].mean()  # doctest: +SKIP
+    """
+    tables = [table for table, kind in checked_tables(folder) if kind == "magnitude"]
+    rows = [
+        (row["participant_id"], row["stimulus"], row["session"], int(row["repeat"]), float(row["rating"]))
+        for table in tables
+        for _, row in table.rows
+        if row["task"] == task and row["rating"]
+    ]
+    if not rows:
+        there = sorted({row["task"] for table in tables for _, row in table.rows}) or ["none"]
+        raise GlossError(
+            f"The dataset '{folder}' holds no rating of the task '{task}'; its magnitude tasks are: {', '.join(there)}."
+        )
+    table = pd.DataFrame(rows, columns=["participant_id", "stimulus", "session", "repeat", "rating"])
+    table = table.sort_values(["participant_id", "stimulus", "session", "repeat"], ignore_index=True)
+    if table.groupby("participant_id")["session"].nunique().max() > 1:
+        # Repeats of a second session count on from those of the first, so that (participant, stimulus, repeat) is a key.
+        table["repeat"] = table.groupby(["participant_id", "stimulus"]).cumcount() + 1
+    return table[["participant_id", "stimulus", "repeat", "rating"]]

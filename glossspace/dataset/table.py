@@ -1,0 +1,85 @@
+"""One data file as it is on the disk: a header and rows of text, each with its line number."""
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+from glossspace.dataset.schema import COLUMNS, TaskKind
+from glossspace.errors import GlossError
+
+__all__ = ["DataFile", "data_files", "read_data_file", "task_kind"]
+
+
+@dataclass(frozen=True)
+class DataFile:
+    """Text of a data file: `rows` has one ``(line number, {column: text})`` a data row."""
+
+    path: Path
+    header: tuple[str, ...]
+    rows: tuple[tuple[int, dict[str, str]], ...]
+
+
+def data_files(folder: str | Path) -> list[Path]:
+    """Every visible file under the dataset's ``data`` folder, in a stable order."""
+    root = Path(folder) / "data"
+    found = (path for path in root.rglob("*") if path.is_file())
+    # A name that begins with a dot is a half-written file or the file manager's, never data.
+    return sorted(path for path in found if not path.name.startswith("."))
+
+
+def read_data_file(path: Path) -> DataFile:
+    """Read one data file as text.
+
+    Raises
+    ------
+    GlossError
+        It begins with a byte order mark, is not UTF-8, has no header, repeats a column, or has a row of another length.
+    """
+    content = path.read_bytes()
+    if content.startswith(b"\xef\xbb\xbf"):
+        raise GlossError(f"'{path}' begins with a byte order mark; save it as plain UTF-8 (in Excel not 'CSV UTF-8').")
+    try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise GlossError(f"'{path}' is not UTF-8 (byte {error.start}); save it as UTF-8.") from None
+    reader = csv.reader(text.splitlines(keepends=True), delimiter="\t" if path.suffix == ".tsv" else ",")
+    header = tuple(next(reader, ()))
+    if not header:
+        raise GlossError(f"'{path}' is empty; the first line of a data file names its columns.")
+    repeated = sorted({name for name in header if header.count(name) > 1})
+    if repeated:
+        raise GlossError(f"'{path}' has the column '{repeated[0]}' twice; each column has a name of its own.")
+    rows = []
+    for fields in reader:
+        if len(fields) != len(header):
+            raise GlossError(
+                f"'{path}', line {reader.line_num}: {len(fields)} fields, but the header names {len(header)} columns."
+            )
+        rows.append((reader.line_num, dict(zip(header, fields, strict=True))))
+    return DataFile(path, header, tuple(rows))
+
+
+def task_kind(table: DataFile) -> TaskKind:
+    """Whether the file holds judgements of pairs or of single stimuli, told by its columns.
+
+    Raises
+    ------
+    GlossError
+        It has the columns of neither, or lacks one of its kind.
+    """
+    marks: dict[TaskKind, set[str]] = {
+        "pairwise": {"stimulus_left", "stimulus_right", "dissimilarity"},
+        "magnitude": {"stimulus", "rating"},
+    }
+    for kind, names in marks.items():
+        if names & set(table.header):
+            missing = [name for name in COLUMNS[kind] if name not in table.header]
+            if missing:
+                raise GlossError(
+                    f"'{table.path}' has no column '{missing[0]}'; a {kind} file has {', '.join(COLUMNS[kind])}."
+                )
+            return kind
+    raise GlossError(
+        f"'{table.path}' is neither a pairwise file (stimulus_left, stimulus_right, dissimilarity) "
+        "nor a magnitude file (stimulus, rating): its header lacks those columns."
+    )

@@ -1,0 +1,192 @@
+"""What makes a dataset whole: the rules of Psych-DS, and those of a psychophysical session."""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from glossspace.dataset.schema import (
+    DESCRIPTION_FILE,
+    OBSERVER_KINDS,
+    RATING_COLUMN,
+    RATING_MAX,
+    RATING_MIN,
+    TaskKind,
+    file_name_labels,
+)
+from glossspace.dataset.table import DataFile, data_files, read_data_file, task_kind
+from glossspace.errors import GlossError
+from glossspace.files import read_json
+
+__all__ = ["checked_tables", "dataset_problems", "validate_dataset"]
+
+Table = tuple[DataFile, TaskKind]
+
+
+def dataset_problems(folder: str | Path) -> list[str]:
+    """Every problem of a dataset, one line each; an empty list where there is none.
+
+    Checked are: the description and its ``variableMeasured`` against the columns, both ways; file names; UTF-8 without
+    a byte order mark; the columns of each task; unique ``row_id``; no trial twice; ratings from 0 to 100; that names,
+    sessions and tasks inside a file are those of its name; and that no participant is both human and simulated.
+
+    Raises
+    ------
+    GlossError
+        There is no such folder.
+    """
+    return _examined(Path(folder))[1]
+
+
+def validate_dataset(folder: str | Path) -> None:
+    """Return if the dataset is whole.
+
+    Raises
+    ------
+    GlossError
+        Its message is the first problem, on one line, and how many more there are.
+
+    Examples
+    --------
+    >>> validate_dataset("no-such-folder")
+    Traceback (most recent call last):
+    ...
+    glossspace.errors.GlossError: No dataset folder at 'no-such-folder'. Check the path.
+    """
+    checked_tables(folder)
+
+
+def checked_tables(folder: str | Path) -> list[Table]:
+    """The data files of a whole dataset with their kinds; the error of `validate_dataset` for any other."""
+    tables, problems = _examined(Path(folder))
+    if problems:
+        more = f" ({len(problems) - 1} more problems in this dataset.)" if len(problems) > 1 else ""
+        raise GlossError(problems[0] + more)
+    return tables
+
+
+def _examined(folder: Path) -> tuple[list[Table], list[str]]:
+    if not folder.is_dir():
+        raise GlossError(f"No dataset folder at '{folder}'. Check the path.")
+    problems: list[str] = []
+    try:
+        description = read_json(folder / DESCRIPTION_FILE, what="dataset description")
+    except GlossError as error:
+        return [], [str(error)]
+    tables: list[Table] = []
+    all_readable = True
+    for path in data_files(folder):
+        try:
+            tables.append(_read_checked(path))
+        except GlossError as error:
+            problems.append(str(error))
+            all_readable = False
+    if not tables and not problems:
+        problems.append(f"'{folder}' holds no data file under 'data'; a session that ends writes one.")
+    problems += _description_problems(folder / DESCRIPTION_FILE, description, tables if all_readable else None)
+    for table, kind in tables:
+        problems += _row_problems(table, kind)
+    problems += _repeated_problems(tables)
+    return tables, problems
+
+
+def _read_checked(path: Path) -> Table:
+    labels = file_name_labels(path.name)
+    if labels is None or not {"subject", "session", "task"} <= set(labels):
+        raise GlossError(
+            f"'{path}' is not named as a data file: name it like 'subject-01_session-1_task-pairwise_data.csv', "
+            "with letters and digits for the values, or move it out of 'data'."
+        )
+    table = read_data_file(path)
+    return table, task_kind(table)
+
+
+def _description_problems(path: Path, description: dict[str, Any], tables: list[Table] | None) -> Iterator[str]:
+    missing = [
+        key for key in ("@context", "@type", "name", "description", "variableMeasured") if key not in description
+    ]
+    if missing:
+        yield f"'{path}' has no '{missing[0]}'; Psych-DS asks for it."
+        return
+    if description["@type"] != "Dataset":
+        yield f"'{path}' says @type '{description['@type']}'; it must be 'Dataset'."
+    described = _described_names(description["variableMeasured"])
+    if described is None:
+        yield f"'{path}': variableMeasured must be a list of names or of objects with a 'name'."
+        return
+    if tables is None:  # the columns are not all known, so any comparison would mislead
+        return
+    measured = {name: table.path for table, _ in tables for name in table.header}
+    for name in sorted(set(measured) - described):
+        yield f"Column '{name}' of '{measured[name]}' is not in variableMeasured of '{path}'; describe it there."
+    for name in sorted(described - set(measured)):
+        yield f"variableMeasured of '{path}' names '{name}', but no data file has that column; remove it there."
+
+
+def _described_names(variables: Any) -> set[str] | None:
+    if not isinstance(variables, list):
+        return None
+    names = [item.get("name") if isinstance(item, dict) else item for item in variables]
+    return {name for name in names if isinstance(name, str)} if all(isinstance(n, str) for n in names) else None
+
+
+def _row_problems(table: DataFile, kind: TaskKind) -> Iterator[str]:
+    labels = file_name_labels(table.path.name) or {}
+    expected = {"participant_id": labels["subject"], "session": labels["session"], "task": labels["task"]}
+    for line, row in table.rows:
+        where = f"'{table.path}', line {line}"
+        for column, value in expected.items():
+            if row[column] != value:
+                yield f"{where}: {column} '{row[column]}', but the file's name says '{value}'."
+        rating = row[RATING_COLUMN[kind]]
+        if rating and not _is_rating(rating):
+            yield (
+                f"{where}: {RATING_COLUMN[kind]} '{rating}' is not a number from {RATING_MIN} to {RATING_MAX}; "
+                "correct it, or leave it empty if the trial was not judged."
+            )
+        for column in ("block", "trial", "repeat"):
+            if not (row[column].isascii() and row[column].isdigit() and int(row[column]) >= 1):
+                yield f"{where}: {column} '{row[column]}' is not a whole number from 1."
+        if row["observer"] not in OBSERVER_KINDS:
+            yield f"{where}: observer '{row['observer']}'; allowed are 'human' and 'simulated'."
+        if not row["row_id"]:
+            yield f"{where}: row_id is empty; each row needs its own."
+        if not all(row[column] for column in _stimulus_columns(kind)):
+            yield f"{where}: no stimulus is named; give the name it has in the stimulus set."
+
+
+def _is_rating(text: str) -> bool:
+    try:
+        value = float(text)
+    except ValueError:
+        return False
+    return math.isfinite(value) and RATING_MIN <= value <= RATING_MAX
+
+
+def _stimulus_columns(kind: TaskKind) -> tuple[str, ...]:
+    return ("stimulus_left", "stimulus_right") if kind == "pairwise" else ("stimulus",)
+
+
+def _repeated_problems(tables: list[Table]) -> Iterator[str]:
+    row_ids: dict[str, str] = {}
+    trials: dict[tuple[Any, ...], str] = {}
+    kinds: dict[str, str] = {}
+    for table, kind in tables:
+        for line, row in table.rows:
+            where = f"'{table.path}', line {line}"
+            # The sides do not matter: a pair shown twice is the same trial twice, whichever way round.
+            shown = tuple(sorted(row[column] for column in _stimulus_columns(kind)))
+            trial = (row["participant_id"], row["session"], row["task"], row["repeat"], shown)
+            if row["row_id"] in row_ids:
+                yield f"{where}: row_id '{row['row_id']}' is already used in {row_ids[row['row_id']]}; remove one row."
+            elif trial in trials:
+                yield f"{where}: the trial {' with '.join(shown)} is already in {trials[trial]}; remove one row."
+            row_ids.setdefault(row["row_id"], where)
+            trials.setdefault(trial, where)
+            first = kinds.setdefault(row["participant_id"], row["observer"])
+            if row["observer"] != first:
+                yield (
+                    f"{where}: participant '{row['participant_id']}' is {row['observer']} here and {first} elsewhere; "
+                    "give simulated observers a participant of their own."
+                )
+                kinds[row["participant_id"]] = row["observer"]
