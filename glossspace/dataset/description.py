@@ -16,8 +16,8 @@ _OUR_DESCRIPTION = "Judgements of apparent surface gloss on a slider from 0 to 1
 def update_description(folder: str | Path) -> Path:
     """Write ``dataset_description.json`` anew from the data files; what a lab has added to it stays.
 
-    ``variableMeasured`` becomes exactly the union of the columns, ``measurementTechnique`` and the description say which
-    participants are simulated. A description written by hand is kept. Safe to call from several processes at once.
+    ``variableMeasured`` becomes exactly the union of the columns; ``measurementTechnique`` and the description say
+    which participants are simulated. A description written by hand is kept. Several processes may call it at once.
 
     Raises
     ------

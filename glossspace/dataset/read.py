@@ -22,8 +22,8 @@ def read_dissimilarities(folder: str | Path) -> pd.DataFrame:
     -------
     DataFrame
         Columns ``participant_id`` (str), ``stimulus_a``, ``stimulus_b`` (str, in alphabetical order whichever side each
-        was on), ``dissimilarity`` (float, 0–100). Identical pairs are included, and zero is data. A pair that a participant
-        judged several times is there once, with the mean; a pair that was not judged is absent.
+        was on), ``dissimilarity`` (float, 0–100). Identical pairs are included, and zero is data. A pair that a
+        participant judged several times is there once, with the mean; a pair that was not judged is absent.
 
     Raises
     ------
@@ -63,8 +63,8 @@ def read_magnitudes(folder: str | Path, task: str) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        Columns ``participant_id`` (str), ``stimulus`` (str), ``repeat`` (int, from 1; over all sessions of a participant),
-        ``rating`` (float, 0–100), sorted by the first three. A trial that was not judged is absent.
+        Columns ``participant_id`` (str), ``stimulus`` (str), ``repeat`` (int, from 1, over all sessions of a
+        participant), ``rating`` (float, 0–100), sorted by the first three. A trial that was not judged is absent.
 
     Raises
     ------
@@ -90,6 +90,6 @@ def read_magnitudes(folder: str | Path, task: str) -> pd.DataFrame:
     table = pd.DataFrame(rows, columns=["participant_id", "stimulus", "session", "repeat", "rating"])
     table = table.sort_values(["participant_id", "stimulus", "session", "repeat"], ignore_index=True)
     if table.groupby("participant_id")["session"].nunique().max() > 1:
-        # Repeats of a second session count on from those of the first, so that (participant, stimulus, repeat) is a key.
+        # Repeats of a second session count on from the first's, so that (participant, stimulus, repeat) is a key.
         table["repeat"] = table.groupby(["participant_id", "stimulus"]).cumcount() + 1
     return table[["participant_id", "stimulus", "repeat", "rating"]]

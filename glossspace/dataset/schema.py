@@ -128,7 +128,7 @@ def file_name_labels(name: str) -> dict[str, str] | None:
     if not _FILE_NAME.fullmatch(name):
         return None
     parts = name.rpartition("_data.")[0].split("_")
-    return dict(part.split("-", 1) for part in parts)  # type: ignore[misc]
+    return dict(part.split("-", 1) for part in parts)
 
 
 def data_path(folder: str | Path, *, participant: str, session: str, task: str) -> Path:

@@ -26,8 +26,9 @@ def write_session_data(
     folder
         The dataset; made if absent.
     rows
-        One a trial: ``block``, ``trial``, ``repeat``, ``response_time_s`` (None if unknown), and either ``stimulus_left``,
-        ``stimulus_right``, ``dissimilarity`` or ``stimulus``, ``rating``. The other columns are filled in.
+        One a trial: ``block``, ``trial``, ``repeat``, ``response_time_s`` (None if unknown), and either
+        ``stimulus_left``, ``stimulus_right``, ``dissimilarity`` or ``stimulus``, ``rating``. The other columns are
+        filled in.
     kind
         ``"pairwise"`` or ``"magnitude"``.
     participant, session, task
