@@ -1,0 +1,153 @@
+"""What the dimensions of a solution mean: its relation to properties of the stimuli.
+
+A weighted solution has axes of its own, fixed up to order and sign: here they are compared with a property, never
+turned. An identity solution may be turned at will: here it is turned towards the properties.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import orthogonal_procrustes
+from scipy.optimize import minimize
+
+from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.mds import MdsSolution
+from gloss_analysis.objective import make_problem, stress_and_gradient
+from glossspace.errors import GlossError
+
+__all__ = ["PropertyVector", "matched_dimensions", "property_vector", "rotated_to", "rotation_cost"]
+
+
+@dataclass(frozen=True)
+class PropertyVector:
+    """The direction of a configuration along which a property of the stimuli rises.
+
+    Attributes
+    ----------
+    direction : ndarray, shape (n_dims,)
+        Unit vector.
+    r_squared : float
+        Part of the property's variance that position along it explains.
+    angle_deg : ndarray, shape (n_dims,)
+        Angle to each dimension as a line, 0 to 90.
+    """
+
+    direction: np.ndarray
+    r_squared: float
+    angle_deg: np.ndarray
+
+
+def property_vector(coordinates: np.ndarray, values: np.ndarray) -> PropertyVector:
+    """Fit a property of the stimuli linearly to a configuration (property fitting).
+
+    Parameters
+    ----------
+    coordinates : ndarray, shape (n, n_dims)
+    values : ndarray, shape (n,)
+        The property, such as contrast gloss.
+
+    Returns
+    -------
+    PropertyVector
+
+    Raises
+    ------
+    GlossError
+        The property is the same for all stimuli, or is not finite.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]])
+    >>> fitted = property_vector(square, np.array([0.0, 1.0, 1.0, 2.0]))
+    >>> fitted.angle_deg.round(6)
+    array([45., 45.])
+    """
+    centred = np.asarray(values, dtype=float) - np.mean(values)
+    if not np.all(np.isfinite(centred)) or not np.any(centred):
+        raise GlossError("Property fitting needs a finite property that differs between the stimuli.")
+    x = coordinates - coordinates.mean(axis=0)
+    slope, *_ = np.linalg.lstsq(x, centred)
+    residual = centred - x @ slope
+    direction = slope / np.linalg.norm(slope)
+    angle = np.degrees(np.arccos(np.clip(np.abs(direction), 0, 1)))
+    return PropertyVector(direction, float(1 - residual @ residual / (centred @ centred)), angle)
+
+
+def matched_dimensions(coordinates: np.ndarray, properties: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Which dimension stands for which property, by correlation: the permutation and reflection of a weighted solution.
+
+    Parameters
+    ----------
+    coordinates, properties : ndarray, shape (n, p)
+
+    Returns
+    -------
+    order : ndarray of int, shape (p,)
+        The dimension matched to each property; every dimension is used once.
+    sign : ndarray, shape (p,)
+        +1, or -1 where the dimension falls as the property rises.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    p = coordinates.shape[1]
+    correlation = np.corrcoef(properties.T, coordinates.T)[:p, p:]
+    _, order = linear_sum_assignment(-np.abs(correlation))
+    return order, np.where(correlation[np.arange(p), order] < 0, -1.0, 1.0)
+
+
+def rotated_to(coordinates: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Rotate or reflect an identity solution as near as possible to `target` (orthogonal Procrustes).
+
+    Parameters
+    ----------
+    coordinates, target : ndarray, shape (n, p)
+
+    Returns
+    -------
+    ndarray, shape (n, p)
+        Distances between points stay as they are.
+    """
+    x = coordinates - coordinates.mean(axis=0)
+    rotation, _ = orthogonal_procrustes(x, target - np.mean(target, axis=0))
+    return x @ rotation
+
+
+def rotation_cost(data: Dissimilarities, solution: MdsSolution, angles_deg: np.ndarray) -> np.ndarray:
+    """Stress of a two-dimensional weighted solution after turning its axes, participants' weights fitted anew.
+
+    The rise shows how firmly the data fix the axes: none at all when all participants weight both dimensions alike.
+
+    Parameters
+    ----------
+    data : Dissimilarities
+        What the solution was fitted to.
+    solution : MdsSolution
+        Two dimensions, weighted.
+    angles_deg : ndarray, shape (k,)
+        Turns of the axes.
+
+    Returns
+    -------
+    ndarray, shape (k,)
+        Stress-1 after each turn.
+
+    Raises
+    ------
+    GlossError
+        The solution is not two-dimensional and weighted.
+    """
+    if solution.n_dims != 2 or solution.model != "weighted":
+        raise GlossError("The cost of a rotation is defined for a weighted solution in two dimensions.")
+    problem = make_problem(data, level=solution.level, ties=solution.ties)
+    costs = []
+    for angle in np.radians(angles_deg):
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        turned = solution.coordinates @ turn
+
+        def loss(theta: np.ndarray, z: np.ndarray = turned) -> tuple[float, np.ndarray]:
+            value, _, by_weights = stress_and_gradient(problem, z, theta.reshape(-1, 2))
+            return value, by_weights.ravel()
+
+        found = minimize(loss, solution.dimension_weights.ravel(), jac=True, method="L-BFGS-B")
+        costs.append(np.sqrt(found.fun))
+    return np.array(costs)

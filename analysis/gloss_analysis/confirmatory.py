@@ -1,0 +1,200 @@
+"""Confirmatory MDS: the coordinates are given functions of the stimuli, and only the weights of the axes are estimated.
+
+This is how the gloss paper finds that distinctness of image weighs 1.78 times contrast gloss. The objective is the one
+of every scaling here (`objective`), so any level and tie rule can be used; ordinal is the default, because a slider
+that compresses large differences biases a ratio-level fit upward.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize, minimize_scalar
+from scipy.stats import t as student_t
+
+from gloss_analysis.disparities import Level, Ties
+from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgeability import check_scalable, data_warnings
+from gloss_analysis.objective import Problem, make_problem, source_distances, stress_of_sources
+from glossspace.errors import GlossError
+
+__all__ = ["AxisWeights", "ConfirmatoryFit", "confirm_axes"]
+
+# Axis ratios from 1/100 to 100, relative to axes of equal spread: beyond, one axis contributes nothing visible.
+_LOG_RANGE = np.log(100.0)
+_COARSE, _FINE = 81, 41
+
+
+@dataclass(frozen=True)
+class AxisWeights:
+    """Weights of the axes for one participant, or shared by all; they multiply the coordinates.
+
+    Attributes
+    ----------
+    weights : ndarray, shape (n_axes,)
+        The first axis has weight 1.
+    ratio : float
+        Weight of the last axis over that of the first: the gloss paper's 1.78.
+    stress1 : float
+        Stress-1 with these weights.
+    at_bound : bool
+        Whether the search ended at its limit: the judgements follow one of the axes alone.
+    """
+
+    weights: np.ndarray
+    ratio: float
+    stress1: float
+    at_bound: bool
+
+
+@dataclass(frozen=True)
+class ConfirmatoryFit:
+    """Axis weights of every participant, of the population they stand for, and of one shared fit.
+
+    Attributes
+    ----------
+    axes, participants : tuple of str
+    individual : tuple of AxisWeights
+        One a participant who could be fitted; `participants` names them.
+    population_ratio : float
+        Geometric mean of the participants' ratios.
+    population_ci95 : tuple of float, or None
+        95 % t interval of it, on the logarithms; None with fewer than two participants.
+    shared : AxisWeights
+        One set of weights for all, each participant at a scale of its own. Descriptive: biased where participants
+        differ.
+    warnings : tuple of str
+    """
+
+    axes: tuple[str, ...]
+    participants: tuple[str, ...]
+    individual: tuple[AxisWeights, ...]
+    population_ratio: float
+    population_ci95: tuple[float, float] | None
+    shared: AxisWeights
+    warnings: tuple[str, ...]
+
+
+def confirm_axes(
+    data: Dissimilarities,
+    coordinates: np.ndarray,
+    *,
+    axes: tuple[str, ...],
+    level: Level = "ordinal",
+    ties: Ties = "primary",
+) -> ConfirmatoryFit:
+    """Estimate how much each given axis weighs in the judged dissimilarities.
+
+    Parameters
+    ----------
+    data : Dissimilarities
+        m participants, n stimuli.
+    coordinates : ndarray, shape (n, n_axes)
+        Position of each stimulus along each axis, in the order of `data.stimuli`.
+    axes : tuple of str
+        Names of the axes.
+    level, ties
+        See `gloss_analysis.mds.scale`.
+
+    Returns
+    -------
+    ConfirmatoryFit
+
+    Raises
+    ------
+    GlossError
+        Coordinates do not fit the data, are not finite, or an axis is the same for all stimuli.
+
+    Notes
+    -----
+    With two axes the weights have one free number, the ratio; it is found on a grid over four decades, then refined.
+    With more, by Nelder and Mead's search on log weights from axes of equal spread.
+    """
+    coordinates = np.asarray(coordinates, dtype=float)
+    if coordinates.shape != (len(data.stimuli), len(axes)):
+        raise GlossError(
+            f"Coordinates of shape {coordinates.shape} do not fit {len(data.stimuli)} stimuli and {len(axes)} axes."
+        )
+    if not np.all(np.isfinite(coordinates)):
+        raise GlossError("Coordinates must be finite numbers.")
+    spread = coordinates.std(axis=0)
+    flat = [name for name, s in zip(axes, spread, strict=True) if s == 0]
+    if flat:
+        raise GlossError(f"All stimuli have the same coordinate on the axis {flat[0]!r}: its weight cannot be known.")
+    check_scalable(data)
+
+    remarks = list(data_warnings(data))
+    participants, individual = [], []
+    for name, row in zip(data.participants, data.values, strict=True):
+        if len(np.unique(row[~np.isnan(row)])) < 2:
+            continue  # a constant participant orders no pairs; data_warnings says so
+        one = make_problem(Dissimilarities(data.stimuli, (name,), row[np.newaxis]), level=level, ties=ties)
+        participants.append(name)
+        individual.append(_fit_weights(one, coordinates, spread))
+    bound = [name for name, fit in zip(participants, individual, strict=True) if fit.at_bound]
+    if bound:
+        remarks.append(f"Judgements follow one axis alone, so that the ratio is only a limit, for: {', '.join(bound)}.")
+
+    logs = np.log([fit.ratio for fit in individual])
+    shared = _fit_weights(make_problem(data, level=level, ties=ties), coordinates, spread)
+    return ConfirmatoryFit(
+        axes=axes,
+        participants=tuple(participants),
+        individual=tuple(individual),
+        population_ratio=float(np.exp(logs.mean())),
+        population_ci95=_t_interval(logs),
+        shared=shared,
+        warnings=tuple(remarks),
+    )
+
+
+def _t_interval(logs: np.ndarray) -> tuple[float, float] | None:
+    if len(logs) < 2:
+        return None
+    half = student_t.ppf(0.975, len(logs) - 1) * logs.std(ddof=1) / np.sqrt(len(logs))
+    return float(np.exp(logs.mean() - half)), float(np.exp(logs.mean() + half))
+
+
+def _fit_weights(problem: Problem, coordinates: np.ndarray, spread: np.ndarray) -> AxisWeights:
+    n_axes = coordinates.shape[1]
+    equal_spread = np.log(spread[0] / spread)  # log weights, the first 0
+
+    def mean_square(log_weights: np.ndarray) -> float:
+        weights = np.broadcast_to(np.exp(log_weights), (problem.n_sources, n_axes))
+        return float(np.mean(stress_of_sources(problem, source_distances(problem, coordinates, weights)) ** 2))
+
+    if n_axes == 1:
+        log_weights = np.zeros(1)
+    elif n_axes == 2:
+        log_ratio = _lowest(lambda x: mean_square(np.array([0.0, x])), float(equal_spread[1]))
+        log_weights = np.array([0.0, log_ratio])
+    else:
+        found = minimize(
+            lambda x: mean_square(np.concatenate([[0.0], x])),
+            equal_spread[1:],
+            method="Nelder-Mead",
+            options={"xatol": 1e-6, "fatol": 1e-12, "maxiter": 4000},
+        )
+        log_weights = np.concatenate([[0.0], found.x])
+    return AxisWeights(
+        weights=np.exp(log_weights),
+        ratio=float(np.exp(log_weights[-1] - log_weights[0])),
+        stress1=float(np.sqrt(mean_square(log_weights))),
+        at_bound=bool(np.any(np.abs(log_weights - equal_spread) > 0.999 * _LOG_RANGE)),
+    )
+
+
+def _lowest(function: Callable[[float], float], centre: float) -> float:
+    """Where a function of one variable is lowest within _LOG_RANGE of `centre`: grid, finer grid, then golden section.
+
+    Monotone regression makes small dents in the curve, which a search from one point would fall into.
+    """
+    grid = centre + np.linspace(-_LOG_RANGE, _LOG_RANGE, _COARSE)
+    best = grid[np.argmin([function(x) for x in grid])]
+    step = grid[1] - grid[0]
+    fine = np.clip(best + np.linspace(-step, step, _FINE), grid[0], grid[-1])
+    best = fine[np.argmin([function(x) for x in fine])]
+    step = 2 * step / (_FINE - 1)
+    low, high = max(best - step, grid[0]), min(best + step, grid[-1])
+    found = minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-9})
+    return float(found.x) if found.fun <= function(best) else float(best)

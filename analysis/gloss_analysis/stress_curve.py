@@ -1,0 +1,68 @@
+"""How stress falls with the number of dimensions (figures 3 and 5 of the gloss paper)."""
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from gloss_analysis.disparities import Level, Ties
+from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.mds import MdsSolution, Model, scale
+
+__all__ = ["stress_curve"]
+
+
+def stress_curve(
+    data: Dissimilarities,
+    *,
+    dims: Iterable[int] = range(1, 6),
+    model: Model = "weighted",
+    level: Level = "ordinal",
+    ties: Ties = "primary",
+    n_starts: int = 30,
+    seed: int = 1,
+    n_jobs: int = 1,
+    on_solution: Callable[[MdsSolution], None] = lambda solution: None,
+) -> tuple[MdsSolution, ...]:
+    """Scale in each number of dimensions, from the fewest up.
+
+    Each solution, with one almost empty dimension added, is a start for the next, so that stress cannot rise with the
+    number of dimensions. Numbers that the data have no room for (more than n - 1) are left out.
+
+    Parameters
+    ----------
+    data, model, level, ties, n_starts, seed, n_jobs
+        See `gloss_analysis.mds.scale`.
+    dims : iterable of int
+        Numbers of dimensions.
+    on_solution : callable
+        Called with each solution as it is found, to show progress.
+
+    Returns
+    -------
+    tuple of MdsSolution
+        In the order of their dimensions.
+    """
+    solutions: list[MdsSolution] = []
+    for n_dims in sorted({p for p in dims if p <= len(data.stimuli) - 1} or set(dims)):
+        initial = [_padded(solutions[-1].coordinates, n_dims, seed)] if solutions else []
+        solutions.append(
+            scale(
+                data,
+                n_dims=n_dims,
+                model=model,
+                level=level,
+                ties=ties,
+                n_starts=n_starts,
+                seed=seed,
+                initial=initial,
+                n_jobs=n_jobs,
+            )
+        )
+        on_solution(solutions[-1])
+    return tuple(solutions)
+
+
+def _padded(coordinates: np.ndarray, n_dims: int, seed: int) -> np.ndarray:
+    # Exactly empty dimensions have no gradient; these are small against every stress difference that matters.
+    extra = np.random.default_rng(seed).standard_normal((len(coordinates), n_dims - coordinates.shape[1]))
+    return np.hstack([coordinates, 0.05 * extra])
