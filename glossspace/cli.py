@@ -3,6 +3,7 @@
 Exit codes: 0 done; 1 an error of the program itself; 2 a mistake of the user; 130 interrupted.
 """
 
+import io
 import os
 import sys
 from importlib.metadata import EntryPoint, entry_points, version
@@ -17,6 +18,7 @@ __all__ = ["main", "make_app"]
 
 # Which extra brings what a sub-command imports, to be named when it is missing.
 _EXTRAS = {
+    "glossspace": "analysis",  # what the core lacks is matplotlib, for figures
     "gloss_stimuli": "stimuli",
     "gloss_experiments": "experiments",
     "gloss_analysis": "analysis",
@@ -50,6 +52,8 @@ def make_app(words: list[str]) -> App:
         suppress_keyboard_interrupt=False,
     )
     commands = sorted(entry_points(group="glossspace.commands"), key=lambda entry: entry.name)
+    if words == ["--version"]:
+        commands = []
     called = [command for command in commands if words[:1] == [command.name]]
     for command in called or commands:
         try:
@@ -73,6 +77,8 @@ def main(arguments: list[str] | None = None) -> None:
     words = sys.argv[1:] if arguments is None else arguments
     called = entry_points(group="glossspace.commands", name=words[0]) if words else ()
     command: EntryPoint | None = next(iter(called), None)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a name that the terminal's encoding lacks must not end the program
     try:
         make_app(words)(words, exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
@@ -80,7 +86,7 @@ def main(arguments: list[str] | None = None) -> None:
         _stop(str(error), code=2)
     except CycloptsError as error:
         usage = f"gloss {command.name} --help" if command else "gloss --help"
-        _stop(f"{' '.join(str(error).split())} See '{usage}'.", code=2)
+        _stop(f"{error} See '{usage}'.", code=2)
     except ModuleNotFoundError as error:
         if command is None:
             raise
@@ -100,5 +106,5 @@ def _install_advice(command: EntryPoint, error: ModuleNotFoundError) -> str:
 
 
 def _stop(message: str, *, code: int) -> None:
-    note(f"gloss: {message}")
+    note(f"gloss: {' '.join(message.split())}")
     sys.exit(code)

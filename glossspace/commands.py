@@ -26,18 +26,25 @@ from glossspace.metric import (
 
 __all__ = ["convert", "distance", "isogloss", "match"]
 
-PaintText = Annotated[str, Parameter(help="A paint as rho_d,rho_s,alpha, for example .193,.066,.07.")]
-SpaceFile = Annotated[Path | None, Parameter(help="A fitted gloss-space.json; the gloss paper's space by default.")]
+
+def _finite(_: object, value: float | None) -> None:
+    if value is not None and not np.isfinite(value):
+        raise ValueError("Must be a finite number.")
+
+
+# In the library NaN is a missing value; whoever types it made a mistake.
+Number = Annotated[float, Parameter(validator=_finite)]
+_FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 
 
 def convert(
     *,
-    rho_d: float | None = None,
-    rho_s: float | None = None,
-    alpha: float | None = None,
-    lightness: float | None = None,
-    c: float | None = None,
-    d: float | None = None,
+    rho_d: Number | None = None,
+    rho_s: Number | None = None,
+    alpha: Number | None = None,
+    lightness: Number | None = None,
+    c: Number | None = None,
+    d: Number | None = None,
     json: JsonFlag = False,
 ) -> None:
     """Convert a paint (rho_d, rho_s, alpha) to its appearance (lightness, c, d), or back.
@@ -89,7 +96,7 @@ def convert(
     _show(result, as_json=json)
 
 
-def distance(a: PaintText, b: PaintText, *, space: SpaceFile = None, json: JsonFlag = False) -> None:
+def distance(a: str, b: str, /, *, space: Path | None = None, json: JsonFlag = False) -> None:
     """Gloss distance between two paints (eq. 5), in the paper's space or a fitted one.
 
     Examples:
@@ -123,10 +130,11 @@ def distance(a: PaintText, b: PaintText, *, space: SpaceFile = None, json: JsonF
 
 
 def match(
-    reference: PaintText,
+    reference: str,
+    /,
     *,
-    rho_d: float | None = None,
-    lightness: float | None = None,
+    rho_d: Number | None = None,
+    lightness: Number | None = None,
     json: JsonFlag = False,
 ) -> None:
     """Paint of another lightness that looks as glossy as a reference (section 5.2 of the gloss paper).
@@ -159,12 +167,13 @@ def match(
 
 
 def isogloss(
-    reference: PaintText,
+    reference: str,
+    /,
     *,
-    radius: float = 0.04,
-    rho_d: float | None = None,
+    radius: Number = 0.04,
+    rho_d: Number | None = None,
     n: int = 36,
-    space: SpaceFile = None,
+    space: Path | None = None,
     figure: Path | None = None,
     json: JsonFlag = False,
 ) -> None:
@@ -193,6 +202,8 @@ def isogloss(
     figure
         Also draw the contour into this file (PNG, SVG or PDF).
     """
+    if figure is not None and figure.suffix.lower() not in _FIGURE_SUFFIXES:
+        raise GlossError(f"Invalid figure '{figure}'. Allowed: a file name that ends in {', '.join(_FIGURE_SUFFIXES)}.")
     gloss_space = _space(space)
     paint = _paint(reference)
     contour = isogloss_contour(paint, radius=radius, rho_d=rho_d, n=n, space=gloss_space)

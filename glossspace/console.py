@@ -26,7 +26,8 @@ _PIPE_WIDTH = 160
 
 def print_json(document: Any) -> None:
     """Print `document` as the one JSON document on stdout. NaN and infinity become null."""
-    print(json.dumps(_plain(document), indent=2, ensure_ascii=False, allow_nan=False))
+    # In ASCII, so that a pipe of any encoding carries it.
+    print(json.dumps(_plain(document), indent=2, allow_nan=False))
 
 
 def _plain(value: Any) -> Any:
@@ -46,7 +47,9 @@ def print_table(rows: pd.DataFrame, *, title: str | None = None) -> None:
     table = Table(*(str(column) for column in rows.columns), title=title, title_justify="left")
     for row in rows.itertuples(index=False):
         table.add_row(*(_cell(value) for value in row))
-    Console(highlight=False, width=None if sys.stdout.isatty() else _PIPE_WIDTH).print(table)
+    # Without markup and emoji: names from files may hold brackets and colons.
+    width = None if sys.stdout.isatty() else _PIPE_WIDTH
+    Console(highlight=False, markup=False, emoji=False, width=width).print(table)
 
 
 def _cell(value: Any) -> str:
@@ -61,7 +64,7 @@ def _cell(value: Any) -> str:
 
 def note(message: str) -> None:
     """Print a remark for the person at the terminal: on stderr, so that stdout stays the result."""
-    Console(stderr=True, highlight=False, soft_wrap=True).print(message, markup=False)
+    Console(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False).print(message)
 
 
 @contextmanager

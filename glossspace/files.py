@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from glossspace.errors import GlossError
 
 __all__ = ["read_json", "sha256_of", "shipped_folder", "whole_file", "write_bytes", "write_json", "write_text"]
@@ -20,6 +22,11 @@ def whole_file(path: str | Path) -> Iterator[Path]:
 
     For writers that want a file name (image and plot libraries). `write_bytes` serves the others.
 
+    Raises
+    ------
+    GlossError
+        The operating system refuses: no permission, no space, a folder of that name.
+
     Examples
     --------
     >>> import tempfile, pathlib
@@ -30,19 +37,23 @@ def whole_file(path: str | Path) -> Iterator[Path]:
     'whole'
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    # The suffix is kept, since image writers choose the format by it.
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=f".part{path.suffix}")
-    os.close(descriptor)
-    temporary = Path(name)
+    temporary = None
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        # The suffix is kept, since image writers choose the format by it.
+        descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=f".part{path.suffix}")
+        os.close(descriptor)
+        temporary = Path(name)
         yield temporary
         with temporary.open("rb+") as stream:
             os.fsync(stream.fileno())
         temporary.chmod(0o644)  # mkstemp makes files that only their owner reads
         temporary.replace(path)
+    except OSError as error:
+        raise GlossError(f"Cannot write '{path}': {error.strerror or error}. Choose another place.") from error
     finally:
-        temporary.unlink(missing_ok=True)
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
 
 
 def write_bytes(path: str | Path, content: bytes) -> None:
@@ -57,8 +68,18 @@ def write_text(path: str | Path, content: str) -> None:
 
 
 def write_json(path: str | Path, document: Any) -> None:
-    """Write strict, indented JSON: NaN and infinity are refused, since other languages cannot read them."""
-    write_text(path, json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    """Write strict, indented JSON: NaN and infinity are refused, since other languages cannot read them.
+
+    NumPy's numbers and arrays are written as numbers and lists.
+    """
+    text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False, default=_plain)
+    write_text(path, text + "\n")
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON: {value!r}")
 
 
 def read_json(path: str | Path, *, what: str) -> dict[str, Any]:
@@ -67,20 +88,27 @@ def read_json(path: str | Path, *, what: str) -> dict[str, Any]:
     Raises
     ------
     GlossError
-        The file is missing, unreadable, not JSON or not an object.
+        The file is missing, unreadable, not strict JSON or not an object.
     """
     path = Path(path)
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        # Some editors begin a file with a byte order mark, which "utf-8-sig" skips.
+        document = json.loads(path.read_text(encoding="utf-8-sig"), parse_constant=_refuse_constant)
     except FileNotFoundError:
         raise GlossError(f"No {what} at '{path}'. Check the path.") from None
     except (OSError, UnicodeDecodeError) as error:
         raise GlossError(f"Cannot read the {what} '{path}': {error}.") from None
     except json.JSONDecodeError as error:
         raise GlossError(f"The {what} '{path}' is not valid JSON (line {error.lineno}: {error.msg}).") from None
+    except (ValueError, RecursionError) as error:
+        raise GlossError(f"The {what} '{path}' is not valid JSON: {error}.") from None
     if not isinstance(document, dict):
         raise GlossError(f"The {what} '{path}' must hold a JSON object, but holds a {type(document).__name__}.")
     return document
+
+
+def _refuse_constant(name: str) -> None:
+    raise ValueError(f"{name} is not a number in JSON")
 
 
 def sha256_of(path: str | Path) -> str:

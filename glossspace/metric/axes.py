@@ -13,12 +13,24 @@ Here lightness is CIELAB's L*, 0 to 100, everywhere; the paper's f is L*/100. Al
 broadcast, and return floats or arrays of that shape.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from glossspace.metric.validity import FloatArray, as_floats, require, require_energy
+from glossspace.errors import GlossError
+from glossspace.metric.validity import (
+    FloatArray,
+    as_float_arrays,
+    as_floats,
+    conserves_energy,
+    require,
+    require_reflectances,
+    require_roughness,
+)
 
 __all__ = [
     "Appearance",
@@ -82,7 +94,8 @@ def contrast_gloss(rho_d: ArrayLike, rho_s: ArrayLike) -> FloatArray:
     >>> round(float(contrast_gloss(0.193, 0.066)), 5)
     0.08702
     """
-    rho_d, rho_s = _reflectances(rho_d, rho_s)
+    rho_d, rho_s = as_float_arrays(rho_d=rho_d, rho_s=rho_s)
+    require_reflectances(rho_d, rho_s)
     surface = np.cbrt(rho_d / 2)
     reflected = np.cbrt(rho_s + rho_d / 2)
     denominator = reflected**2 + reflected * surface + surface**2
@@ -103,19 +116,26 @@ def distinctness(alpha: ArrayLike) -> FloatArray:
     Returns
     -------
     ndarray or float
-        d < 1. NaN in gives NaN out.
+        d < 1, rounded to 1 for alpha below 1e-16. NaN in gives NaN out.
 
     Raises
     ------
     GlossError
         alpha is zero, negative or infinite.
 
+    Notes
+    -----
+    A d near 1 keeps alpha to about 1e-16 absolutely, hence to 1e-14 relatively from the smoothest stimuli of the gloss
+    paper (alpha = .01) on, and less for smoother ones.
+
     Examples
     --------
     >>> float(distinctness(0.07))
     0.9299999999999999
     """
-    return (1 - _roughness(alpha))[()]
+    alpha = as_floats(alpha, name="alpha")
+    require_roughness(alpha)
+    return (1 - alpha)[()]
 
 
 def lightness(rho_d: ArrayLike) -> FloatArray:
@@ -146,13 +166,10 @@ def lightness(rho_d: ArrayLike) -> FloatArray:
     >>> round(float(lightness(0.193)), 2)
     51.04
     """
-    from colour import domain_range_scale  # here, because importing colour takes longer than all else together
-    from colour.colorimetry import lightness_CIE1976
-
     rho_d = as_floats(rho_d, name="rho_d")
     require((rho_d >= 0) & (rho_d <= 1), rho_d, name="rho_d", allowed="0 to 1")
-    with domain_range_scale("reference"):  # a user's own setting of colour's global scale must not change the result
-        curved = lightness_CIE1976(100 * rho_d)
+    with _colour() as colour:
+        curved = colour.colorimetry.lightness_CIE1976(100 * rho_d)
     return np.where(rho_d <= _FOOT_END, _FOOT_SLOPE * rho_d, curved)[()]
 
 
@@ -179,13 +196,10 @@ def diffuse_reflectance(lightness: ArrayLike) -> FloatArray:
     >>> round(float(diffuse_reflectance(100.0)), 12)
     1.0
     """
-    from colour import domain_range_scale
-    from colour.colorimetry import luminance_CIE1976
-
     lightness = as_floats(lightness, name="lightness")
     require((lightness >= 0) & (lightness <= 100), lightness, name="lightness", allowed="0 to 100 (CIELAB L*)")
-    with domain_range_scale("reference"):
-        curved = luminance_CIE1976(lightness) / 100
+    with _colour() as colour:
+        curved = colour.colorimetry.luminance_CIE1976(lightness) / 100
     return np.where(lightness <= _FOOT_SLOPE * _FOOT_END, lightness / _FOOT_SLOPE, curved)[()]
 
 
@@ -207,21 +221,30 @@ def specular_reflectance(rho_d: ArrayLike, c: ArrayLike) -> FloatArray:
     Raises
     ------
     GlossError
-        c is negative or infinite, rho_d is outside [0, 1], or the paint would reflect more than it receives.
+        rho_d or c is outside [0, 1], or c is out of reach: the paint would reflect more than it receives.
 
     Examples
     --------
     >>> round(float(specular_reflectance(0.193, 0.08702)), 4)
     0.066
     """
-    rho_d = as_floats(rho_d, name="rho_d")
-    c = as_floats(c, name="c")
+    rho_d, c = as_float_arrays(rho_d=rho_d, c=c)
     require((rho_d >= 0) & (rho_d <= 1), rho_d, name="rho_d", allowed="0 to 1")
-    require((c >= 0) & (c < np.inf), c, name="c", allowed="finite and >= 0")
-    surface = np.cbrt(rho_d / 2)
-    rho_s = c * (c**2 + 3 * c * surface + 3 * surface**2)
-    require_energy(rho_d, rho_s)
-    return rho_s[()]
+    require((c >= 0) & (c < np.inf), c, name="c", allowed="0 to 1")
+    beyond = ~is_paintable(rho_d, c) & ~np.isnan(rho_d + c)
+    if np.any(beyond):
+        one_rho_d, one_c = (float(values[beyond][0]) for values in np.broadcast_arrays(rho_d, c))
+        raise GlossError(
+            f"Contrast gloss c = {one_c:.10g} is out of reach for rho_d = {one_rho_d:.10g}, which allows at most "
+            f"{contrast_gloss(one_rho_d, 1 - one_rho_d):.10g}. Choose a darker paint or less contrast gloss."
+        )
+    return _specular_reflectance(rho_d, c)[()]
+
+
+def is_paintable(rho_d: FloatArray, c: FloatArray) -> NDArray[np.bool_]:
+    """Whether a paint of diffuse reflectance `rho_d` can have contrast gloss `c`, any number. False for NaN."""
+    with np.errstate(over="ignore", invalid="ignore"):  # a contour may run far out of the space: not paintable there
+        return np.asarray((c >= 0) & conserves_energy(rho_d, _specular_reflectance(rho_d, c)))
 
 
 def roughness_alpha(d: ArrayLike) -> FloatArray:
@@ -275,8 +298,8 @@ def from_physical(rho_d: ArrayLike, rho_s: ArrayLike, alpha: ArrayLike) -> Appea
     >>> [round(float(value), 3) for value in appearance]
     [51.036, 0.087, 0.93]
     """
-    contrast = contrast_gloss(rho_d, rho_s)
-    values = np.broadcast_arrays(lightness(rho_d), contrast, distinctness(alpha))
+    rho_d, rho_s, alpha = as_float_arrays(rho_d=rho_d, rho_s=rho_s, alpha=alpha)
+    values = np.broadcast_arrays(lightness(rho_d), contrast_gloss(rho_d, rho_s), distinctness(alpha))
     return Appearance(*(value.copy()[()] for value in values))
 
 
@@ -303,21 +326,21 @@ def to_physical(lightness: ArrayLike, c: ArrayLike, d: ArrayLike) -> Paint:
     >>> [round(float(value), 3) for value in paint]
     [0.193, 0.066, 0.07]
     """
+    lightness, c, d = as_float_arrays(lightness=lightness, c=c, d=d)
     rho_d = diffuse_reflectance(lightness)
     values = np.broadcast_arrays(rho_d, specular_reflectance(rho_d, c), roughness_alpha(d))
     return Paint(*(value.copy()[()] for value in values))
 
 
-def _reflectances(rho_d: ArrayLike, rho_s: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    rho_d = as_floats(rho_d, name="rho_d")
-    rho_s = as_floats(rho_s, name="rho_s")
-    for name, value in (("rho_d", rho_d), ("rho_s", rho_s)):
-        require((value >= 0) & (value < np.inf), value, name=name, allowed="0 to 1")
-    require_energy(rho_d, rho_s)
-    return rho_d, rho_s
+def _specular_reflectance(rho_d: FloatArray, c: FloatArray) -> FloatArray:
+    surface = np.cbrt(rho_d / 2)
+    return c * (c**2 + 3 * c * surface + 3 * surface**2)
 
 
-def _roughness(alpha: ArrayLike) -> FloatArray:
-    alpha = as_floats(alpha, name="alpha")
-    require((alpha > 0) & (alpha < np.inf), alpha, name="alpha", allowed="finite and > 0")
-    return alpha
+@contextmanager
+def _colour() -> Iterator[ModuleType]:
+    with np.printoptions():  # importing colour sets NumPy's printing back to the style of version 1.13 for everybody
+        import colour  # here, because it takes longer than all else together
+
+    with colour.domain_range_scale("reference"):  # a user's own setting of its global scale must not change the result
+        yield colour

@@ -1,17 +1,20 @@
 """Paints that differ equally in gloss from a standard: figure 11 of the gloss paper."""
 
 from dataclasses import dataclass
+from numbers import Integral
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import cosdg, sindg
 
 from glossspace.errors import GlossError
-from glossspace.metric.axes import Paint, lightness, roughness_alpha, specular_reflectance
-from glossspace.metric.envelope import max_contrast_gloss
+from glossspace.metric.axes import Paint, is_paintable, roughness_alpha, specular_reflectance
 from glossspace.metric.space import PAPER_SPACE, GlossSpace
 from glossspace.metric.validity import FloatArray, as_floats, within_paper_range
 
 __all__ = ["IsoglossContour", "isogloss_contour"]
+
+_MOST_POINTS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,7 @@ def isogloss_contour(
     rho_d : float, optional
         Diffuse reflectance of the paints on the contour; the reference's own when left out.
     n : int
-        Number of points, >= 3, at equal angles from 0 degrees.
+        Number of points, 3 to 1,000,000, at equal angles from 0 degrees.
     space : GlossSpace
         Whose weights shape the contour.
 
@@ -77,23 +80,25 @@ def isogloss_contour(
     >>> [round(float(d), 4) for d in contour.d]
     [0.93, 0.9525, 0.93, 0.9075]
     """
-    distance = float(as_floats(radius, name="radius"))
-    if not 0 < distance < np.inf:
-        raise GlossError(f"Invalid radius = {distance:g}. Allowed: finite and > 0.")
-    if n < 3:
-        raise GlossError(f"Invalid n = {n}. Allowed: 3 points or more.")
-    c_reference, d_reference = (_one(value) for value in space.coordinates(reference))
-    paint_rho_d = _one(reference.rho_d if rho_d is None else rho_d)
+    distance = _one(radius, name="radius")
+    if not (distance > 0 and np.isfinite(distance / min(space.weight_c, space.weight_d))):
+        raise GlossError(f"Invalid radius = {distance!r}. Allowed: finite and > 0.")
+    if isinstance(n, bool) or not isinstance(n, Integral) or not 3 <= n <= _MOST_POINTS:
+        raise GlossError(f"Invalid n = {n!r}. Allowed: a whole number of points, 3 to {_MOST_POINTS}.")
+    rho_d_reference, *rest = (_one(value, name=name) for name, value in reference._asdict().items())
+    c_reference, d_reference = space.coordinates(Paint(rho_d_reference, *rest))
+    paint_rho_d = rho_d_reference if rho_d is None else _one(rho_d, name="rho_d")
 
-    angle = 2 * np.pi * np.arange(n) / n
-    c = c_reference + distance / space.weight_c * np.cos(angle)
-    d = d_reference + distance / space.weight_d * np.sin(angle)
-    # The envelope itself can be painted; beyond it the inverse would refuse, so those points become NaN first.
-    reachable = (c >= 0) & (c <= max_contrast_gloss(lightness(paint_rho_d))) & (d < 1)
+    angle_deg = 360 * np.arange(n) / n
+    # Exact at multiples of 90 degrees: a reference without gloss has its 12 and 6 o'clock at c = 0, not just below.
+    c = c_reference + distance / space.weight_c * cosdg(angle_deg)
+    d = d_reference + distance / space.weight_d * sindg(angle_deg)
+    # The inverse would refuse points beyond the envelope, so those become NaN first.
+    reachable = is_paintable(as_floats(paint_rho_d, name="rho_d"), c) & (d < 1)
     rho_s = specular_reflectance(paint_rho_d, np.where(reachable, c, np.nan))
     alpha = roughness_alpha(np.where(reachable, d, np.nan))
     return IsoglossContour(
-        angle_deg=np.degrees(angle),
+        angle_deg=angle_deg,
         c=c,
         d=d,
         rho_d=paint_rho_d,
@@ -104,8 +109,8 @@ def isogloss_contour(
     )
 
 
-def _one(value: ArrayLike) -> float:
-    array = np.asarray(value, dtype=np.float64)
+def _one(value: ArrayLike, *, name: str) -> float:
+    array = as_floats(value, name=name)
     if array.size != 1:
-        raise GlossError(f"A contour goes round one reference paint, but got {array.size} values.")
+        raise GlossError(f"One contour needs one value of {name}, but got {array.size}. Draw them one by one.")
     return float(array.reshape(()))

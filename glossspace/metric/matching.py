@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from glossspace.errors import GlossError
-from glossspace.metric.axes import Paint, contrast_gloss, lightness, specular_reflectance
-from glossspace.metric.envelope import max_contrast_gloss
-from glossspace.metric.validity import as_floats, require
+from glossspace.metric.axes import Paint, contrast_gloss, is_paintable, specular_reflectance
+from glossspace.metric.validity import as_float_arrays, require_roughness
 
 __all__ = ["match_gloss"]
 
@@ -46,19 +45,10 @@ def match_gloss(reference: Paint, *, rho_d: ArrayLike, out_of_reach: Literal["ra
     """
     if out_of_reach not in ("raise", "mask"):
         raise GlossError(f"Invalid out_of_reach = {out_of_reach!r}. Allowed: 'raise' and 'mask'.")
-    c = contrast_gloss(reference.rho_d, reference.rho_s)
-    alpha = as_floats(reference.alpha, name="alpha")
-    require((alpha > 0) & (alpha < np.inf), alpha, name="alpha", allowed="finite and > 0")
-    target = as_floats(rho_d, name="rho_d")
-    highest = max_contrast_gloss(lightness(target))
-    c, alpha, target, highest = np.broadcast_arrays(c, alpha, target, highest)
-    # A match that lies on the envelope is reachable: the slack is the rounding of c, not an allowance.
-    unreachable = c > highest * (1 + 1e-12) + 1e-15
-    if np.any(unreachable) and out_of_reach == "raise":
-        where = np.unravel_index(np.argmax(unreachable), unreachable.shape)
-        raise GlossError(
-            f"Contrast gloss c = {c[where]:.6g} is out of reach for rho_d = {target[where]:.6g}, "
-            f"which allows at most {highest[where]:.6g}. Choose a darker paint or a less glossy reference."
-        )
-    matched = specular_reflectance(target, np.where(unreachable, np.nan, np.minimum(c, highest)))
-    return Paint(target.copy()[()], matched, np.where(unreachable, np.nan, alpha)[()])
+    reference_rho_d, rho_s, alpha, target = as_float_arrays(**reference._asdict(), wanted_rho_d=rho_d)
+    require_roughness(alpha)
+    c, alpha, target = np.broadcast_arrays(contrast_gloss(reference_rho_d, rho_s), alpha, target)
+    if out_of_reach == "mask":
+        unreachable = ~is_paintable(target, c) & ~np.isnan(target + c)
+        c, alpha = np.where(unreachable, np.nan, c), np.where(unreachable, np.nan, alpha)
+    return Paint(target.copy()[()], specular_reflectance(target, c), alpha.copy()[()])

@@ -1,7 +1,8 @@
 """A gloss space: axis functions, weights, and the distance they define (eq. 5 of the gloss paper)."""
 
+import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 from glossspace.errors import GlossError
 from glossspace.files import read_json, write_json
 from glossspace.metric.axes import Paint, contrast_gloss, distinctness
-from glossspace.metric.validity import FloatArray, as_floats
+from glossspace.metric.validity import FloatArray, as_float_arrays, require
 
 __all__ = ["PAPER_SPACE", "AxisFunction", "GlossSpace"]
 
@@ -76,8 +77,13 @@ class GlossSpace:
 
     def __post_init__(self) -> None:
         for name, weight in (("weight_c", self.weight_c), ("weight_d", self.weight_d)):
-            if isinstance(weight, bool) or not isinstance(weight, int | float) or not 0 < weight < np.inf:
+            if not _is_finite_number(weight) or weight <= 0:
                 raise GlossError(f"Invalid {name} = {weight!r} of a gloss space. Allowed: a finite number > 0.")
+        ci95 = self.weight_d_ci95
+        if ci95 is not None and not (len(ci95) == 2 and all(map(_is_finite_number, ci95)) and ci95[0] <= ci95[1]):
+            raise GlossError(
+                f"Invalid weight_d_ci95 = {ci95!r} of a gloss space. Allowed: (low, high), finite, or None if unknown."
+            )
 
     def coordinates(self, paint: Paint) -> tuple[FloatArray, FloatArray]:
         """Coordinates (c, d) of a paint, unweighted, broadcast to one shape.
@@ -87,7 +93,8 @@ class GlossSpace:
         GlossError
             A parameter of the paint is impossible.
         """
-        c, d = np.broadcast_arrays(contrast_gloss(paint.rho_d, paint.rho_s), distinctness(paint.alpha))
+        rho_d, rho_s, alpha = as_float_arrays(**paint._asdict())
+        c, d = np.broadcast_arrays(contrast_gloss(rho_d, rho_s), distinctness(alpha))
         return c.copy()[()], d.copy()[()]
 
     def distance(self, paint_a: Paint, paint_b: Paint) -> FloatArray:
@@ -113,10 +120,19 @@ class GlossSpace:
         return self.distance_between(c_a, d_a, c_b, d_b)
 
     def distance_between(self, c_a: ArrayLike, d_a: ArrayLike, c_b: ArrayLike, d_b: ArrayLike) -> FloatArray:
-        """Gloss distance between points (c_a, d_a) and (c_b, d_b) of the space (eq. 5), which broadcast."""
-        delta_c = as_floats(c_a, name="c") - as_floats(c_b, name="c")
-        delta_d = as_floats(d_a, name="d") - as_floats(d_b, name="d")
-        return np.hypot(self.weight_c * delta_c, self.weight_d * delta_d)[()]
+        """Gloss distance between points (c_a, d_a) and (c_b, d_b) of the space (eq. 5), which broadcast.
+
+        Raises
+        ------
+        GlossError
+            A coordinate is not a finite number (or NaN), or the shapes do not broadcast. Points where no paint is are
+            allowed.
+        """
+        points = as_float_arrays(c_a=c_a, d_a=d_a, c_b=c_b, d_b=d_b)
+        for name, values in zip(("c_a", "d_a", "c_b", "d_b"), points, strict=True):
+            require(np.isfinite(values), values, name=name, allowed="finite")
+        from_c, from_d, to_c, to_d = points
+        return np.hypot(self.weight_c * (from_c - to_c), self.weight_d * (from_d - to_d))[()]
 
     def save(self, path: str | Path) -> None:
         """Write the space as versioned JSON, whole or not at all."""
@@ -127,7 +143,7 @@ class GlossSpace:
                 "form": _FORMS[axis],
                 "weight": weight,
                 "weight_ci95": None if ci95 is None else list(ci95),
-                "ratings": None if function is None else vars(function),
+                "ratings": None if function is None else asdict(function),
             }
         write_json(
             path,
@@ -161,31 +177,48 @@ class GlossSpace:
                 f"{_VERSION}. Update glossspace, or refit the space."
             )
         try:
-            axes = document["axes"]
-            for axis, form in _FORMS.items():
-                if axes[axis]["form"] != form:
-                    raise GlossError(
-                        f"'{path}': axis {axis} has the form {axes[axis]['form']!r}, which this version does not know. "
-                        f"Known: {form!r}."
-                    )
-            ci95 = axes["d"]["weight_ci95"]
-            return cls(
-                weight_c=axes["c"]["weight"],
-                weight_d=axes["d"]["weight"],
-                name=str(document["name"]),
-                weight_d_ci95=None if ci95 is None else (float(ci95[0]), float(ci95[1])),
-                axis_functions={a: AxisFunction(**axes[a]["ratings"]) for a in _FORMS if axes[a].get("ratings")},
-                stimulus_range={k: (float(v[0]), float(v[1])) for k, v in document.get("stimulus_range", {}).items()},
-                provenance=document.get("provenance", {}),
-            )
-        except (KeyError, TypeError, IndexError, AttributeError) as error:
-            raise GlossError(
-                f"The gloss space '{path}' is damaged: {error!r}. Restore the file or refit the space."
-            ) from None
-        except GlossError:
-            raise
-        except ValueError as error:
-            raise GlossError(f"The gloss space '{path}' is damaged: {error}. Restore it or refit the space.") from None
+            return cls._from_document(document)
+        except KeyError as error:
+            reason = f"{error} is missing"
+        except (TypeError, IndexError, AttributeError, ValueError) as error:
+            reason = str(error).rstrip(".")
+        raise GlossError(f"The gloss space '{path}' cannot be used: {reason}. Restore the file or refit the space.")
+
+    @classmethod
+    def _from_document(cls, document: dict[str, Any]) -> "GlossSpace":
+        axes = document["axes"]
+        for axis, form in _FORMS.items():
+            if axes[axis]["form"] != form:
+                raise GlossError(f"axis {axis} has the unknown form {axes[axis]['form']!r}, not {form!r}")
+        ci95 = axes["d"]["weight_ci95"]
+        ranges = document.get("stimulus_range", {})
+        ratings = {axis: axes[axis].get("ratings") for axis in _FORMS}
+        return cls(
+            weight_c=axes["c"]["weight"],
+            weight_d=axes["d"]["weight"],
+            name=str(document["name"]),
+            weight_d_ci95=None if ci95 is None else tuple(ci95),
+            axis_functions={axis: _axis_function(line) for axis, line in ratings.items() if line is not None},
+            stimulus_range={key: (float(low), float(high)) for key, (low, high) in ranges.items()},
+            provenance=dict(document.get("provenance", {})),
+        )
+
+
+def _axis_function(line: Mapping[str, Any]) -> AxisFunction:
+    return AxisFunction(
+        slope=float(line["slope"]),
+        intercept=float(line["intercept"]),
+        r_squared=float(line["r_squared"]),
+        n_stimuli=int(line["n_stimuli"]),
+    )
+
+
+def _is_finite_number(value: object) -> bool:
+    return (
+        isinstance(value, int | float | np.integer | np.floating)
+        and not isinstance(value, bool)
+        and bool(abs(value) <= sys.float_info.max)
+    )
 
 
 PAPER_SPACE = GlossSpace()
