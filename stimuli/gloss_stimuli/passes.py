@@ -1,0 +1,161 @@
+"""Coefficient passes with a cache: stimuli that share a scene share the diffuse pass, those that share an α the other."""
+
+import hashlib
+import json
+import math
+import zipfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gloss_stimuli.coefficients import COVARIANCE_TERMS, Coefficients, average
+from gloss_stimuli.quality import Quality
+from gloss_stimuli.scene import Scene
+from gloss_stimuli.tracer import ORDER, diffuse_exponents, specular_exponents, trace_pass
+from gloss_stimuli.variant import use_llvm
+from glossspace.files import sha256_of, whole_file
+
+__all__ = ["METHOD", "PassPlan", "content_key", "sphere_pixels"]
+
+METHOD = "coefficient path tracing"
+
+
+def content_key(*sources: str, **content: Any) -> str:
+    """Hash of everything that determines a result: the values given, and the code of the named modules."""
+    document = json.dumps([content, [_source_hash(name) for name in sources]], sort_keys=True, allow_nan=False)
+    return hashlib.sha256(document.encode()).hexdigest()
+
+
+@lru_cache
+def _source_hash(module: str) -> str:
+    return sha256_of(Path(__file__).parent / f"{module}.py")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PassPlan:
+    """How the coefficients of a scene are made, and where they are kept.
+
+    Attributes
+    ----------
+    scene : Scene
+        Only its geometry, light and camera matter here.
+    size : int
+        Width and height of the image in pixels.
+    quality : Quality
+        Number of samples.
+    seed : int
+        Same seed, same bits.
+    cache : Path
+        Folder of finished passes.
+    """
+
+    scene: Scene
+    size: int
+    quality: Quality
+    seed: int
+    cache: Path
+
+    def key(self, alpha: float | None) -> str:
+        """Hash of everything that determines the coefficients of the pass for `alpha` (None: the diffuse pass)."""
+        quality = self.quality
+        samples = [quality.diffuse_samples] if alpha is None else [quality.sphere_samples, quality.wall_samples]
+        geometry = self.scene.geometry()
+        if alpha is None:
+            geometry["sphere"].pop("lobe")
+        return content_key(
+            "tracer", "lattice", "ward_lobe", "coefficients", "passes",
+            geometry=geometry, size=self.size, seed=self.seed, alpha=alpha, samples=samples,
+            randomisations=quality.randomisations, mitsuba=version("mitsuba"), drjit=version("drjit"),
+        )  # fmt: skip
+
+    def is_cached(self, alpha: float | None) -> bool:
+        """Whether the pass is finished and its file readable."""
+        return self._load(alpha) is not None
+
+    def coefficients(self, alpha: float | None, *, step: Callable[[], None] = lambda: None) -> Coefficients:
+        """Coefficients of one pass, from the cache or traced now.
+
+        Parameters
+        ----------
+        alpha : float or None
+            Roughness of a specular pass; None for the diffuse pass.
+        step : callable, optional
+            Called after each randomisation, for a progress display.
+        """
+        cached = self._load(alpha)
+        if cached is not None:
+            for _ in range(self.quality.randomisations):
+                step()
+            return cached
+        use_llvm()
+        traced = average(self._exponents(alpha), self._randomisations(alpha, step))
+        with whole_file(self._path(alpha)) as temporary, temporary.open("wb") as stream:
+            np.savez(stream, mean=traced.mean, covariance=traced.covariance)
+        return traced
+
+    def _randomisations(self, alpha: float | None, step: Callable[[], None]) -> Iterator[NDArray[np.float32]]:
+        on_sphere = sphere_pixels(self.scene, self.size)
+        everywhere = np.ones_like(on_sphere)
+        quality = self.quality
+        regions = (
+            [(everywhere, quality.diffuse_samples)]
+            if alpha is None
+            else [(on_sphere, quality.sphere_samples), (~on_sphere, quality.wall_samples)]
+        )
+        for index in range(quality.randomisations):
+            # Every α takes the same random numbers: noise that stimuli share does not tell them apart.
+            seed = _child_seed(self.seed, "diffuse" if alpha is None else "specular", index)
+            image = np.empty((len(self._exponents(alpha)), self.size**2), dtype=np.float32)
+            for region, samples in regions:
+                pixels = np.flatnonzero(region).astype(np.uint32)
+                if pixels.size:
+                    image[:, pixels] = trace_pass(
+                        self.scene, pixels, size=self.size, samples=samples, seed=seed, alpha=alpha
+                    )
+            step()
+            yield image
+
+    def _exponents(self, alpha: float | None) -> tuple[tuple[int, int], ...]:
+        return diffuse_exponents() if alpha is None else specular_exponents()
+
+    def _path(self, alpha: float | None) -> Path:
+        return self.cache / f"coefficients-{self.key(alpha)[:32]}.npz"
+
+    def _load(self, alpha: float | None) -> Coefficients | None:
+        exponents = self._exponents(alpha)
+        terms = min(len(exponents), COVARIANCE_TERMS)
+        try:
+            with np.load(self._path(alpha), allow_pickle=False) as stored:
+                mean, covariance = stored["mean"], stored["covariance"]
+        except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+            return None  # absent or damaged: it is made again
+        pixels = self.size**2
+        if mean.shape != (len(exponents), pixels) or covariance.shape != (terms * (terms + 1) // 2, pixels):
+            return None
+        return Coefficients(exponents, mean, covariance)
+
+
+def sphere_pixels(scene: Scene, size: int) -> NDArray[np.bool_]:
+    """Pixels (shape (size², ), row-major) that the sphere's outline touches or fills; never one too few."""
+    right, up, forward = (np.array(axis) for axis in scene.camera.axes())
+    half_width = math.tan(math.radians(scene.camera.field_of_view_deg) / 2)
+    offsets = ((np.arange(size) + 0.5) * 2 / size - 1) * half_width
+    rays = forward + offsets[None, :, None] * right - offsets[:, None, None] * up
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    to_sphere = np.subtract(scene.sphere.center, scene.camera.position)
+    distance = float(np.linalg.norm(to_sphere))
+    angle = np.arccos(np.clip(rays @ (to_sphere / distance), -1, 1))
+    # Half a pixel's diagonal is at most this angle, since tangent-plane lengths only shrink when seen from the eye.
+    margin = math.sqrt(2) * half_width / size
+    return (angle <= math.asin(scene.sphere.radius / distance) + margin).ravel()
+
+
+def _child_seed(seed: int, purpose: str, index: int) -> int:
+    digest = hashlib.sha256(f"{seed}/{purpose}/{index}".encode()).digest()
+    return int.from_bytes(digest[:8], "little")
