@@ -1,0 +1,215 @@
+"""The journal of a session: one flushed line a trial, so that a kill at any moment loses at most the trial on screen.
+
+A journal is a file of JSON lines. The first is the header: what the session is, with the seed and the hashes that fix
+its order and its images. Then comes one line a trial, and a last one when the session is finished. Lines are appended,
+never changed. The operating system holds a lock on the file while a session writes it.
+"""
+
+import contextlib
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from io import FileIO
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from gloss_experiments.design import Trial
+from gloss_experiments.session import Answer, checked_rating
+from glossspace.dataset.lock import try_lock
+from glossspace.errors import GlossError
+
+__all__ = ["FORMAT", "Journal", "journal_path"]
+
+FORMAT = "gloss-journal"
+VERSION = 1
+
+# What must not change between the two parts of an interrupted session, and how the user undoes a change.
+_FIXED = {
+    "participant": "this is another participant's session",
+    "session": "this is another session",
+    "seed": "give the seed the session began with, or none",
+    "protocol_sha256": "the protocol was changed; go back to the one the session began with",
+    "stimuli_sha256": "the images were changed; go back to the stimulus set the session began with",
+    "observer": "an observer cannot change within a session",
+}
+_WAY_OUT = "or begin anew under another session number"
+
+
+def journal_path(dataset: str | Path, *, participant: str, session: str, task: str) -> Path:
+    """Path of the journal of one session, beside the data that are made from it."""
+    return Path(dataset) / "journals" / f"subject-{participant}_session-{session}_task-{task}.jsonl"
+
+
+@dataclass
+class Journal:
+    """An open, locked journal; use it in a ``with`` statement.
+
+    Attributes
+    ----------
+    header
+        The header on the disk, None in a new journal.
+    answers
+        The trials judged so far.
+    finished
+        Whether the session is complete.
+    torn
+        Whether the last line was torn by a kill or a crash, and has been cut off.
+    """
+
+    path: Path
+    header: dict[str, Any] | None = None
+    answers: list[Answer] = field(default_factory=list)
+    finished: bool = False
+    torn: bool = False
+    _stream: FileIO = field(init=False, repr=False)
+
+    def __enter__(self) -> "Journal":
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        new = not self.path.exists()
+        # Unbuffered: what the system has not taken is never written later, behind the back of an error.
+        self._stream = self.path.open("a+b", buffering=0)
+        try:
+            if not try_lock(self._stream):
+                raise GlossError(
+                    f"Another process is running the session of '{self.path}'. Let it end, then try again."
+                )
+            if new:
+                _flush_folder(self.path.parent)
+            self._load()
+        except BaseException:
+            self._stream.close()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stream.close()
+
+    def begin(self, header: Mapping[str, Any]) -> None:
+        """Write the header of a new journal, or check that of a begun one against `header`.
+
+        Raises
+        ------
+        GlossError
+            The session was begun with another seed, protocol, observer or with other images, or cannot be written.
+        """
+        wanted = {"type": "header", "format": FORMAT, "version": VERSION, **header}
+        if self.header is None:
+            self._append(wanted)
+            self.header = wanted
+            return
+        for key, advice in _FIXED.items():
+            if self.header.get(key) != wanted.get(key):
+                raise GlossError(
+                    f"The session in '{self.path}' was begun with {key} {_short(self.header.get(key))}, "
+                    f"but {_short(wanted.get(key))} is asked for: {advice}, {_WAY_OUT}."
+                )
+
+    def append(self, answer: Answer, *, mode: str) -> None:
+        """Write one judged trial and flush it to the disk.
+
+        Raises
+        ------
+        GlossError
+            The disk is full or gone: what was written before stays.
+        """
+        self._append(
+            {
+                "type": "trial",
+                "trial": answer.trial.number,
+                "block": answer.trial.block,
+                "repeat": answer.trial.repeat,
+                "stimuli": list(answer.trial.stimuli),
+                "rating": answer.rating,
+                "response_time_s": answer.response_time_s,
+                "mode": mode,
+            }
+        )
+        self.answers.append(answer)
+
+    def note(self, kind: str, **details: Any) -> None:
+        """Write a line that is no trial, such as a resumption with the versions of then."""
+        self._append({"type": kind, **details})
+
+    def finish(self) -> None:
+        """Mark the session as complete."""
+        if not self.finished:
+            self._append({"type": "finished", "n_trials": len(self.answers)})
+            self.finished = True
+
+    def check_order(self, trials: tuple[Trial, ...]) -> None:
+        """Check that what was judged is the beginning of `trials`.
+
+        Raises
+        ------
+        GlossError
+            Another order: another version of this program or of numpy drew it.
+        """
+        judged = tuple(answer.trial for answer in self.answers)
+        if judged != trials[: len(judged)]:
+            raise GlossError(
+                f"The trials in '{self.path}' are not in the order that this version draws from their seed. "
+                f"Resume it with the versions in its header, {_WAY_OUT}."
+            )
+
+    def _append(self, line: dict[str, Any]) -> None:
+        end = self._stream.seek(0, os.SEEK_END)
+        content = json.dumps(line, ensure_ascii=False, allow_nan=False).encode("utf-8") + b"\n"
+        try:
+            while content:
+                content = content[self._stream.write(content) :]
+            os.fsync(self._stream.fileno())
+        except OSError as error:
+            with contextlib.suppress(OSError):  # else the torn line is cut off when the session is resumed
+                self._stream.truncate(end)
+            raise GlossError(
+                f"Cannot write to the journal '{self.path}': {error.strerror or error}. The {len(self.answers)} trials "
+                "judged so far are safe in it. Make room on the disk, then run the same command to go on."
+            ) from None
+
+    def _load(self) -> None:
+        self._stream.seek(0)
+        content = self._stream.read()
+        whole = content[: content.rfind(b"\n") + 1]
+        if len(whole) < len(content):
+            self.torn = True
+            self._stream.truncate(len(whole))
+        for number, text in enumerate(whole.splitlines(), start=1):
+            try:
+                self._take(json.loads(text), number)
+            except (ValueError, KeyError, TypeError) as error:
+                raise GlossError(
+                    f"'{self.path}', line {number} cannot be read ({type(error).__name__}: {error}). "
+                    "Restore the journal from a backup, or begin anew under another session number."
+                ) from None
+
+    def _take(self, line: dict[str, Any], number: int) -> None:
+        if number == 1:
+            if line["format"] != FORMAT or line["version"] != VERSION:
+                raise ValueError(f"format {line['format']}, version {line['version']}; this version reads {FORMAT}, 1")
+            self.header = line
+        elif line["type"] == "trial":
+            trial = Trial(line["trial"], line["block"], line["repeat"], tuple(line["stimuli"]))
+            if trial.number != len(self.answers) + 1:
+                raise ValueError(f"trial {trial.number} follows trial {len(self.answers)}")
+            self.answers.append(Answer(trial, checked_rating(line["rating"]), line["response_time_s"]))
+        elif line["type"] == "finished":
+            self.finished = True
+
+
+def _short(value: object) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 60 else text[:12] + "…"
+
+
+def _flush_folder(folder: Path) -> None:
+    """Make the new file's name last through a power cut, where the system lets a folder be flushed (not Windows)."""
+    if os.name != "posix":
+        return
+    descriptor = os.open(folder, os.O_RDONLY)
+    with contextlib.suppress(OSError):  # some network file systems refuse; the file itself is flushed all the same
+        os.fsync(descriptor)
+    os.close(descriptor)
