@@ -69,8 +69,8 @@ def solution_warnings(problem: Problem, distances: np.ndarray, stress1: float) -
         clusters = connected_components(graph, directed=False)[0]
         if clusters <= min(_FEW_CLUSTERS, n - 1):
             remarks.append(
-                f"Degenerate: the {n} stimuli fall on {clusters} points; the stress of {stress1:.2g} says only that. Use "
-                " a stricter level (interval), secondary ties, or finer judgements."
+                f"Degenerate: the {n} stimuli fall on {clusters} points; a stress of {stress1:.2g} says only that. Use "
+                "a stricter level (interval), secondary ties, or finer judgements."
             )
         elif max((len(order.block_size) for order in problem.orders), default=0) <= 2:
             remarks.append(

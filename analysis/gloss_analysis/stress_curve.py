@@ -25,8 +25,9 @@ def stress_curve(
 ) -> tuple[MdsSolution, ...]:
     """Scale in each number of dimensions, from the fewest up.
 
-    Each solution, with one almost empty dimension added, is a start for the next, so that stress cannot rise with the
-    number of dimensions. Numbers that the data have no room for (more than n - 1) are left out.
+    Each solution, with an empty dimension added, is a start for the next, so that stress does not rise with the number
+    of dimensions by more than the solver's tolerance. Numbers that the data have no room for,
+    more than n - 1, are left out.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ def stress_curve(
     """
     solutions: list[MdsSolution] = []
     for n_dims in sorted({p for p in dims if p <= len(data.stimuli) - 1} or set(dims)):
-        initial = [_padded(solutions[-1].coordinates, n_dims, seed)] if solutions else []
+        initial = [_padded(solutions[-1].coordinates, n_dims)] if solutions else []
         solutions.append(
             scale(
                 data,
@@ -62,7 +63,5 @@ def stress_curve(
     return tuple(solutions)
 
 
-def _padded(coordinates: np.ndarray, n_dims: int, seed: int) -> np.ndarray:
-    # Exactly empty dimensions have no gradient; these are small against every stress difference that matters.
-    extra = np.random.default_rng(seed).standard_normal((len(coordinates), n_dims - coordinates.shape[1]))
-    return np.hstack([coordinates, 0.05 * extra])
+def _padded(coordinates: np.ndarray, n_dims: int) -> np.ndarray:
+    return np.pad(coordinates, ((0, 0), (0, n_dims - coordinates.shape[1])))

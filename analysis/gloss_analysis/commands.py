@@ -1,0 +1,301 @@
+"""Sub-commands of the analysis: mds, confirm, fit, report."""
+
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+
+from glossspace.console import JsonFlag, note, print_json, print_table, progress_bar
+from glossspace.errors import GlossError
+
+__all__ = ["confirm", "fit", "mds", "report"]
+
+# The science is imported inside the functions: `gloss --help` imports this module and should not wait for scikit and
+# SciPy.
+
+
+def mds(
+    table: Path,
+    *,
+    dims: str = "1:5",
+    model: Literal["identity", "weighted"] = "weighted",
+    level: Literal["ratio", "interval", "ordinal"] = "ordinal",
+    ties: Literal["primary", "secondary"] = "primary",
+    starts: int = 30,
+    seed: int = 1,
+    jobs: int = 1,
+    json: JsonFlag = False,
+) -> None:
+    """Scale judged dissimilarities: stress and configuration in one or more numbers of dimensions.
+
+    Examples:
+
+        gloss mds study/dataset --dims 1:5
+
+        gloss mds colours.csv --dims 2 --model identity --level interval --json
+
+    Parameters
+    ----------
+    table
+        A dataset folder, or a CSV file with the columns participant_id, stimulus_a, stimulus_b, dissimilarity.
+        A pair that was not judged is absent or empty; zero is data.
+    dims
+        One number of dimensions, or a range such as 1:5.
+    model
+        weighted: participants weight the dimensions of a common space. identity: all see the same space.
+    level
+        What of the judgements is trusted: their order, their intervals, their ratios.
+    ties
+        Ordinal only: primary lets equal judgements differ in distance, secondary does not.
+    starts
+        Starting configurations for each number of dimensions.
+    seed
+        Of the random starts.
+    jobs
+        Processes; the result does not depend on it.
+    """
+    from gloss_analysis.dissimilarity import read_table
+    from gloss_analysis.stress_curve import stress_curve
+
+    wanted = _dimensions(dims)
+    data = read_table(table)
+    with progress_bar() as progress:
+        task = progress.add_task("Scaling", total=len(wanted))
+        solutions = stress_curve(
+            data,
+            dims=wanted,
+            model=model,
+            level=level,
+            ties=ties,
+            n_starts=starts,
+            seed=seed,
+            n_jobs=jobs,
+            on_solution=lambda _: progress.advance(task),
+        )
+    if json:
+        print_json(
+            {
+                "stimuli": data.stimuli,
+                "participants": data.participants,
+                "model": model,
+                "level": level,
+                "ties": ties,
+                "seed": seed,
+                "solutions": [
+                    {
+                        "n_dims": solution.n_dims,
+                        "stress1": solution.stress1,
+                        "normalized_raw_stress": solution.normalized_raw_stress,
+                        "source_stress1": solution.source_stress1,
+                        "coordinates": solution.coordinates,
+                        "dimension_weights": solution.dimension_weights,
+                        "starts": solution.starts,
+                        "best_hits": solution.best_hits,
+                        "converged": solution.converged,
+                        "warnings": solution.warnings,
+                    }
+                    for solution in solutions
+                ],
+            }
+        )
+        return
+    curve = [(s.n_dims, s.stress1, s.starts, s.best_hits, s.converged) for s in solutions]
+    print_table(pd.DataFrame(curve, columns=["dimensions", "Stress-1", "starts", "best hits", "converged"]))
+    for solution in solutions:
+        names = [f"dim {index + 1}" for index in range(solution.n_dims)]
+        if len(solutions) == 1:
+            print_table(_named("stimulus", solution.stimuli, names, solution.coordinates), title="Configuration")
+            if model == "weighted":
+                weights = _named("participant", solution.participants, names, solution.dimension_weights)
+                print_table(weights, title="Dimension weights")
+        for warning in solution.warnings:
+            note(f"{solution.n_dims} dimensions: {warning}")
+
+
+def confirm(
+    table: Path,
+    *,
+    coordinates: Path,
+    level: Literal["ratio", "interval", "ordinal"] = "ordinal",
+    ties: Literal["primary", "secondary"] = "primary",
+    json: JsonFlag = False,
+) -> None:
+    """Estimate how much given axes weigh in judged dissimilarities (confirmatory MDS).
+
+    The ratio is the weight of the last axis over that of the first: for c and d, the gloss paper's 1.78. The
+    population's ratio is the geometric mean over participants, with a 95 % t interval; the shared ratio is descriptive.
+
+    Examples:
+
+        gloss confirm study/dataset --coordinates coordinates.csv
+
+        gloss confirm pairs.csv --coordinates coordinates.csv --level ordinal --ties primary --json
+
+    Parameters
+    ----------
+    table
+        A dataset folder, or a CSV file with the columns participant_id, stimulus_a, stimulus_b, dissimilarity.
+    coordinates
+        A CSV file with the column stimulus and one column for each axis.
+    level
+        What of the judgements is trusted: their order, their intervals, their ratios.
+    ties
+        Ordinal only: primary lets equal judgements differ in distance, secondary does not.
+    """
+    from gloss_analysis.confirmatory import confirm_axes
+    from gloss_analysis.dissimilarity import read_table
+
+    data = read_table(table)
+    axes, values = _coordinates(coordinates, data.stimuli)
+    fitted = confirm_axes(data, values, axes=axes, level=level, ties=ties)
+    if json:
+        print_json(
+            {
+                "axes": fitted.axes,
+                "population": {"ratio": fitted.population_ratio, "ci95": fitted.population_ci95},
+                "shared": {
+                    "weights": fitted.shared.weights,
+                    "ratio": fitted.shared.ratio,
+                    "stress1": fitted.shared.stress1,
+                },
+                "participants": [
+                    {"participant_id": name, "weights": one.weights, "ratio": one.ratio, "stress1": one.stress1}
+                    for name, one in zip(fitted.participants, fitted.individual, strict=True)
+                ],
+                "warnings": fitted.warnings,
+            }
+        )
+        return
+    rows = [(name, one.ratio, one.stress1) for name, one in zip(fitted.participants, fitted.individual, strict=True)]
+    print_table(pd.DataFrame(rows, columns=["participant", f"{axes[-1]} over {axes[0]}", "Stress-1"]))
+    interval = "" if fitted.population_ci95 is None else " (95 % {:.4g} to {:.4g})".format(*fitted.population_ci95)
+    print(f"Population: {fitted.population_ratio:.4g}{interval}. Shared: {fitted.shared.ratio:.4g}.")
+    for warning in fitted.warnings:
+        note(warning)
+
+
+def fit(dataset: Path, *, out: Path, stimuli: Path | None = None, json: JsonFlag = False) -> None:
+    """Fit a gloss space to a dataset with judged pairs and, where they were rated, magnitude estimates.
+
+    Examples:
+
+        gloss fit study/dataset --out gloss-space.json
+
+        gloss fit study/dataset --stimuli stimuli.csv --out gloss-space.json --json
+
+    Parameters
+    ----------
+    dataset
+        The dataset folder.
+    out
+        The file to write; `gloss distance --space` reads it.
+    stimuli
+        A CSV file with the columns stimulus, rho_d, rho_s, alpha. By default what the dataset itself recorded.
+    """
+    from gloss_analysis.dissimilarity import from_table
+    from gloss_analysis.fit import fit_gloss_space
+    from glossspace.dataset import read_dissimilarities, read_magnitudes, read_stimuli, tasks_of
+
+    known = read_stimuli(dataset) if stimuli is None else _stimulus_table(stimuli)
+    pairs = from_table(read_dissimilarities(dataset), source=f"The dataset '{dataset}'")
+    studies = {axis: task for axis, task in (("c", "contrast"), ("d", "doi")) if task in tasks_of(dataset)}
+    ratings = {axis: read_magnitudes(dataset, task) for axis, task in studies.items()}
+    fitted = fit_gloss_space(known, pairs, ratings, name=f"fitted to {dataset.resolve().name}")
+    fitted.space.save(out)
+    result = {
+        "space": str(out),
+        "weight_c": fitted.space.weight_c,
+        "weight_d": fitted.space.weight_d,
+        "weight_d_ci95": fitted.space.weight_d_ci95,
+        "r_squared": {axis: one.r_squared for axis, one in fitted.regressions.items()},
+    }
+    if json:
+        print_json(result)
+    else:
+        print_table(pd.DataFrame({"quantity": list(result), "value": [str(value) for value in result.values()]}))
+
+
+def report(study: Path, *, out: Path | None = None, seed: int = 1, jobs: int = 1, json: JsonFlag = False) -> None:
+    """Analyse a study folder and write its report: one HTML file with the figures of the gloss paper.
+
+    Examples:
+
+        gloss report out
+
+        gloss report out --out report.html --json
+
+    Parameters
+    ----------
+    study
+        A folder as `gloss reproduce` makes it: stimuli/experiment1, stimuli/contrast, stimuli/doi, and dataset.
+    out
+        The file to write; report.html in the study folder by default.
+    seed
+        Of the random starts.
+    jobs
+        Processes; the result does not depend on it.
+    """
+    from gloss_analysis.report import write_report
+    from gloss_analysis.study import analyse_study, read_study, report_file
+
+    target = report_file(study) if out is None else out
+    analysis = analyse_study(read_study(study), seed=seed, n_jobs=jobs, on_step=note)
+    write_report(analysis, target)
+    if json:
+        print_json({"report": str(target), "weight_d": analysis.fit.space.weight_d})
+    else:
+        print(target)
+
+
+def _dimensions(text: str) -> range:
+    first, _, last = text.partition(":")
+    try:
+        wanted = range(int(first), int(last or first) + 1)
+    except ValueError:
+        wanted = range(0)
+    if not wanted or wanted[0] < 1:
+        raise GlossError(f"Invalid --dims {text!r}. Allowed: one number such as 2, or a range such as 1:5.")
+    return wanted
+
+
+def _named(label: str, names: tuple[str, ...], columns: list[str], values: np.ndarray) -> pd.DataFrame:
+    return pd.DataFrame({label: names} | dict(zip(columns, values.T, strict=True)))
+
+
+def _read_csv(path: Path, *, what: str) -> pd.DataFrame:
+    try:
+        return pd.read_csv(path, dtype={"stimulus": str})
+    except FileNotFoundError:
+        raise GlossError(f"No {what} at '{path}'. Check the path.") from None
+    except (OSError, ValueError) as error:
+        raise GlossError(f"Cannot read the {what} '{path}' as CSV: {str(error).strip()}.") from None
+
+
+def _coordinates(path: Path, stimuli: tuple[str, ...]) -> tuple[tuple[str, ...], np.ndarray]:
+    table = _read_csv(path, what="coordinate table")
+    axes = tuple(str(column) for column in table.columns if column != "stimulus")
+    if "stimulus" not in table.columns or not axes:
+        raise GlossError(
+            f"'{path}' must have the column stimulus and one for each axis; found {', '.join(table.columns)}."
+        )
+    if table["stimulus"].duplicated().any():
+        raise GlossError(
+            f"'{path}' lists the stimulus {table['stimulus'][table['stimulus'].duplicated()].iloc[0]!r} twice."
+        )
+    missing = [name for name in stimuli if name not in set(table["stimulus"])]
+    if missing:
+        raise GlossError(f"'{path}' lacks coordinates of the stimulus {missing[0]!r} ({len(missing)} such).")
+    try:
+        values = table.set_index("stimulus").loc[list(stimuli), list(axes)].to_numpy(dtype=float)
+    except (TypeError, ValueError):
+        raise GlossError(f"'{path}' holds coordinates that are not numbers.") from None
+    return axes, values
+
+
+def _stimulus_table(path: Path) -> pd.DataFrame:
+    table = _read_csv(path, what="stimulus table")
+    missing = [column for column in ("stimulus", "rho_d", "rho_s", "alpha") if column not in table.columns]
+    if missing:
+        raise GlossError(f"'{path}' lacks the column {missing[0]!r}. Expected stimulus, rho_d, rho_s, alpha.")
+    return table

@@ -1,0 +1,85 @@
+"""Figures 4 and 7 to 10 of the gloss paper: the stimuli, the rated axes, the gloss space and its envelope."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from gloss_analysis.figures.style import BLUE, ORANGE, draw_stimuli, new_figure, tidy
+from gloss_analysis.magnitude import AxisRegression
+from glossspace.metric import GlossSpace, fixed_energy_contrast_gloss, lightness, max_contrast_gloss
+from glossspace.stimulus_set import StimulusSet
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["draw_composite", "draw_envelope", "draw_gloss_space", "draw_ratings"]
+
+_AXIS_LABELS = {"c": "contrast gloss c", "d": "distinctness of image d = 1 − α"}
+
+
+def draw_composite(stimuli: StimulusSet) -> "Figure":
+    """All images of a set on one sheet (figure 4): a row for each paint's (ρs, α) in blocks by lightness.
+
+    The images hold code values for the calibrated display and are shown as they are.
+    """
+    from PIL import Image
+
+    table = stimuli.table()
+    whites = sorted(table["rho_d"].unique(), reverse=True)
+    energies = sorted(table["rho_s"].unique(), reverse=True)
+    alphas = sorted(table["alpha"].unique())
+    figure = new_figure(1.15 * len(alphas) * len(whites), 1.32 * len(energies))
+    grid = figure.subplots(len(energies), len(alphas) * len(whites), squeeze=False)
+    for axes in grid.ravel():
+        axes.set_axis_off()
+    for stimulus in table.itertuples():
+        column = whites.index(stimulus.rho_d) * len(alphas) + alphas.index(stimulus.alpha)
+        axes = grid[energies.index(stimulus.rho_s), column]
+        with Image.open(stimuli.image_path(stimulus.stimulus)) as image:
+            axes.imshow(np.asarray(image.resize((230, 230), Image.Resampling.LANCZOS)), cmap="gray", vmin=0, vmax=255)
+        axes.set_title(f"ρd {stimulus.rho_d:g}\nρs {stimulus.rho_s:g}, α {stimulus.alpha:g}", fontsize=7)
+    return figure
+
+
+def draw_ratings(rated: pd.DataFrame, axis: str, fit: AxisRegression) -> "Figure":
+    """Mean ratings against an axis, with the fitted line (figures 7 and 8)."""
+    figure = new_figure(4.8, 3.6)
+    axes = figure.add_subplot(xlabel=_AXIS_LABELS[axis], ylabel="mean rating (0–100)")
+    axes.errorbar(rated[axis], rated["rating"], yerr=rated["standard_error"], fmt="o", color=BLUE, ms=4, lw=0.9)
+    ends = np.array([rated[axis].min(), rated[axis].max()])
+    axes.plot(ends, fit.intercept + fit.slope * ends, color=ORANGE, label=f"line, r² = {fit.r_squared:.3f}")
+    axes.legend(frameon=False)
+    tidy(axes)
+    return figure
+
+
+def draw_gloss_space(stimuli: pd.DataFrame, space: GlossSpace) -> "Figure":
+    """Stimuli in the gloss space with lightness as third axis, and seen along it (figure 9)."""
+    figure = new_figure(8.6, 4.2)
+    c, d = space.weight_c * stimuli["c"].to_numpy(), space.weight_d * stimuli["d"].to_numpy()
+    solid = figure.add_subplot(1, 2, 1, projection="3d")
+    grey = (stimuli["lightness"].to_numpy() / 100)[:, np.newaxis].repeat(3, axis=1)
+    solid.scatter(c, d, stimuli["lightness"], c=grey, edgecolors="black", s=34, depthshade=False)
+    solid.set(xlabel="c", ylabel=f"{space.weight_d:.2f} d", zlabel="lightness L*")
+    solid.view_init(elev=22, azim=-58)
+    flat = figure.add_subplot(1, 2, 2, xlabel="c", ylabel=f"{space.weight_d:.2f} d", aspect="equal")
+    draw_stimuli(flat, c, d, stimuli)
+    flat.legend(frameon=False, fontsize=8)
+    tidy(flat)
+    return figure
+
+
+def draw_envelope(rho_s: float = 0.099) -> "Figure":
+    """Largest contrast gloss for each lightness, and that of one specular reflectance (figure 10)."""
+    figure = new_figure(4.8, 3.4)
+    axes = figure.add_subplot(xlabel="lightness L*", ylabel="contrast gloss c")
+    all_lightness = np.linspace(0, 100, 401)
+    axes.plot(all_lightness, max_contrast_gloss(all_lightness), color=BLUE, label="largest possible, ρd + ρs = 1")
+    fixed = np.linspace(0, float(lightness(1 - rho_s)), 400)  # lighter paints cannot have this much
+    axes.plot(
+        fixed, fixed_energy_contrast_gloss(fixed, rho_s), color=ORANGE, ls="--", label=f"fixed energy, ρs = {rho_s:g}"
+    )
+    axes.legend(frameon=False)
+    tidy(axes)
+    return figure

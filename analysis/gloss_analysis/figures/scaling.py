@@ -1,0 +1,103 @@
+"""Figures 3, 5 and 6 of the gloss paper, and what stands behind them: rotation cost, participants' axis ratios."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from gloss_analysis.confirmatory import ConfirmatoryFit
+from gloss_analysis.figures.style import BLUE, ORANGE, draw_stimuli, new_figure, tidy
+from gloss_analysis.mds import MdsSolution
+from gloss_analysis.study import StudyAnalysis
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = [
+    "draw_axis_ratios",
+    "draw_configuration",
+    "draw_identity_configuration",
+    "draw_rotation_cost",
+    "draw_stress_curve",
+]
+
+
+def draw_stress_curve(curve: tuple[MdsSolution, ...]) -> "Figure":
+    """Stress against the number of dimensions (figures 3 and 5)."""
+    figure = new_figure(4.6, 3.2)
+    axes = figure.add_subplot(xlabel="number of dimensions", ylabel="Stress-1")
+    dims = [solution.n_dims for solution in curve]
+    axes.plot(dims, [solution.stress1 for solution in curve], "o-", color=BLUE)
+    axes.set_xticks(dims)
+    axes.set_ylim(bottom=0)
+    tidy(axes)
+    return figure
+
+
+def draw_configuration(analysis: StudyAnalysis) -> "Figure":
+    """Draw the weighted two-dimensional solution, permuted and reflected towards (c, d), never turned (figure 6)."""
+    reading = analysis.axes
+    points = analysis.plane.coordinates[:, reading.order] * reading.sign
+    figure = new_figure(5.6, 4.6)
+    axes = figure.add_subplot(xlabel="dimension matched to c", ylabel="dimension matched to d", aspect="equal")
+    draw_stimuli(axes, points[:, 0], points[:, 1], _stimuli(analysis))
+    reach = 0.55 * np.abs(points).max()
+    for axis, colour in (("c", ORANGE), ("d", BLUE)):
+        direction = reading.vectors[axis].direction[reading.order] * reading.sign
+        corner = points.min(axis=0)
+        axes.annotate(
+            "",
+            xy=tuple(corner + reach * direction),
+            xytext=tuple(corner),
+            arrowprops={"arrowstyle": "->", "color": colour, "lw": 1.8},
+        )
+        axes.annotate(axis, tuple(corner + 1.06 * reach * direction), color=colour, ha="center", va="center")
+    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
+    tidy(axes)
+    return figure
+
+
+def draw_identity_configuration(analysis: StudyAnalysis) -> "Figure":
+    """Draw the common space without weights, turned towards (c, weight * d)."""
+    points = analysis.axes.identity_rotated
+    figure = new_figure(5.6, 4.6)
+    axes = figure.add_subplot(xlabel="turned towards c", ylabel="turned towards d", aspect="equal")
+    draw_stimuli(axes, points[:, 0], points[:, 1], _stimuli(analysis))
+    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
+    tidy(axes)
+    return figure
+
+
+def draw_rotation_cost(analysis: StudyAnalysis) -> "Figure":
+    """Stress after turning the weighted solution's axes, with participants' weights fitted anew."""
+    reading = analysis.axes
+    figure = new_figure(4.6, 3.2)
+    axes = figure.add_subplot(xlabel="rotation of the axes (degrees)", ylabel="Stress-1, weights fitted anew")
+    axes.plot(reading.rotation_deg, reading.rotation_stress1, "o-", color=BLUE, ms=4)
+    axes.axhline(analysis.plane.stress1, color="0.6", lw=0.8)
+    tidy(axes)
+    return figure
+
+
+def draw_axis_ratios(fit: ConfirmatoryFit, simulated: pd.DataFrame | None) -> "Figure":
+    """Weight of d over weight of c: each participant, the population's interval, and the truth where it is known."""
+    figure = new_figure(5.2, 3.4)
+    axes = figure.add_subplot(xlabel="participant", ylabel="weight of d / weight of c")
+    place = np.arange(len(fit.participants))
+    axes.plot(place, [weights.ratio for weights in fit.individual], "o", color=BLUE, label="recovered")
+    if simulated is not None:
+        truth = simulated.set_index("participant_id")["ratio"].reindex(list(fit.participants))
+        axes.plot(place, truth, "_", color="black", ms=14, label="true, of the simulated observer")
+    if fit.population_ci95 is not None:
+        axes.axhspan(*fit.population_ci95, color=BLUE, alpha=0.12, lw=0, label="95 % interval, population")
+    axes.axhline(fit.population_ratio, color=BLUE, lw=0.9)
+    axes.axhline(1.78, color=ORANGE, lw=0.9, ls="--", label="the paper's 1.78")
+    axes.set_xticks(place, fit.participants)
+    axes.set_ylim(bottom=0)
+    axes.legend(frameon=False, fontsize=8, loc="lower right")
+    tidy(axes)
+    return figure
+
+
+def _stimuli(analysis: StudyAnalysis) -> pd.DataFrame:
+    return analysis.study.stimuli.set_index("stimulus").loc[list(analysis.plane.stimuli)]

@@ -1,0 +1,206 @@
+"""The report of a study: one HTML file that opens anywhere, with the paper's figures made from this run."""
+
+import base64
+import io
+import platform
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from gloss_analysis import figures
+from gloss_analysis.comparison import compare_with_paper
+from gloss_analysis.examples import CityMap, ColourCircle, city_map, colour_circle
+from gloss_analysis.study import StudyAnalysis, dataset_folder, stimulus_folder
+from glossspace.files import sha256_of, write_text
+from glossspace.stimulus_set import MANIFEST_NAME
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["write_report"]
+
+_PACKAGES = ("glossspace", "numpy", "scipy", "pandas", "colour-science", "matplotlib", "mitsuba", "psychopy")
+
+
+@dataclass(frozen=True)
+class _Picture:
+    """A figure as the template places it: image data, text for those who cannot see it, caption."""
+
+    source: str
+    alternative: str
+    caption: str
+
+
+def write_report(analysis: StudyAnalysis, path: Path) -> None:
+    """Write the report of an analysed study as one self-contained HTML file, whole or not at all.
+
+    Parameters
+    ----------
+    analysis : StudyAnalysis
+    path : Path
+
+    Notes
+    -----
+    The file holds no date and no machine name: the same study gives the same bytes.
+    """
+    cities, circle = city_map(seed=analysis.seed), colour_circle(seed=analysis.seed)
+    environment = Environment(
+        loader=PackageLoader("gloss_analysis"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
+    )
+    simulated = analysis.study.simulated
+    participants = analysis.study.pairs.participants
+    simulated_ids = set() if simulated is None else set(simulated["participant_id"])
+    write_text(
+        path,
+        environment.get_template("report.html.j2").render(
+            analysis=analysis,
+            comparison=compare_with_paper(analysis, cities),
+            simulated=[name for name in participants if name in simulated_ids],
+            human=[name for name in participants if name not in simulated_ids],
+            pictures=_pictures(analysis, cities, circle),
+            circle=circle,
+            cities=cities,
+            axes=_axis_rows(analysis),
+            participants=_participant_rows(analysis),
+            warnings=analysis.plane.warnings + analysis.fit.confirmatory.warnings,
+            versions=_versions(),
+            hashes=_hashes(analysis.study.folder),
+        ),
+    )
+
+
+def _pictures(analysis: StudyAnalysis, cities: CityMap, circle: ColourCircle) -> dict[str, _Picture]:
+    study, fit = analysis.study, analysis.fit
+    simulated = "" if study.simulated is None else " Simulated observers."
+    experiment1 = study.sets["experiment1"].table()
+    return {
+        "map": _svg(figures.draw_city_map(cities), "Map of ten US cities", "Fig. 2: the US map, from Table 1 alone."),
+        "map_stress": _svg(
+            figures.draw_stress_curve(cities.curve), "Stress against dimensions", "Fig. 3: stress of the cities."
+        ),
+        "composite": _png(
+            figures.draw_composite(study.sets["experiment1"]),
+            "Twenty-seven rendered spheres",
+            "Fig. 4: the stimuli of Experiment 1, code values of the calibrated display.",
+        ),
+        "stress": _svg(
+            figures.draw_stress_curve(analysis.curve), "Stress against dimensions", f"Fig. 5: stress.{simulated}"
+        ),
+        "plane": _svg(
+            figures.draw_configuration(analysis),
+            "Two-dimensional configuration of the stimuli",
+            "Fig. 6: the weighted solution, permuted and reflected only. Fill: lightness; shape: α; size: ρs. "
+            f"Arrows: directions in which c and d rise.{simulated}",
+        ),
+        "rotation": _svg(
+            figures.draw_rotation_cost(analysis),
+            "Stress against rotation of the axes",
+            f"What turning the axes costs: how firmly the judgements fix them.{simulated}",
+        ),
+        "identity": _svg(
+            figures.draw_identity_configuration(analysis),
+            "Two-dimensional configuration without participants' weights",
+            f"The same judgements without participants' weights, turned towards c and d.{simulated}",
+        ),
+        "doi": _svg(
+            figures.draw_ratings(analysis.rated["d"], "d", fit.regressions["d"]),
+            "Mean ratings against d",
+            f"Fig. 7: magnitude estimates against d. Bars: standard errors over participants.{simulated}",
+        ),
+        "contrast": _svg(
+            figures.draw_ratings(analysis.rated["c"], "c", fit.regressions["c"]),
+            "Mean ratings against c",
+            f"Fig. 8: magnitude estimates against c. Bars: standard errors over participants.{simulated}",
+        ),
+        "space": _svg(
+            figures.draw_gloss_space(experiment1, fit.space),
+            "Stimuli in the gloss space",
+            f"Fig. 9: the stimuli of Experiment 1 in the gloss space with the weights of this run.{simulated}",
+        ),
+        "envelope": _svg(
+            figures.draw_envelope(), "Contrast gloss against lightness", "Fig. 10: the envelope of gloss space."
+        ),
+        "ratios": _svg(
+            figures.draw_axis_ratios(fit.confirmatory, study.simulated),
+            "Axis ratio of each participant",
+            f"Weight of d over that of c, by confirmatory MDS.{simulated}",
+        ),
+        "circle": _svg(
+            figures.draw_colour_circle(circle),
+            "Ten colour chips round a circle",
+            "Helm's colour chips. Real observers.",
+        ),
+        "circle_weights": _svg(
+            figures.draw_participant_weights(circle),
+            "Dimension weights of sixteen participants",
+            "Dimension weights of Helm's participants. Real observers.",
+        ),
+    }
+
+
+def _svg(figure: "Figure", alternative: str, caption: str) -> _Picture:
+    import matplotlib
+
+    buffer = io.BytesIO()
+    # A fixed salt and no date: the same figure gives the same bytes.
+    with matplotlib.rc_context({"svg.hashsalt": "glossspace"}):
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
+    return _Picture(_data_uri(buffer.getvalue(), "image/svg+xml"), alternative, caption)
+
+
+def _png(figure: "Figure", alternative: str, caption: str) -> _Picture:
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=170, metadata={"Software": None})
+    return _Picture(_data_uri(buffer.getvalue(), "image/png"), alternative, caption)
+
+
+def _data_uri(content: bytes, kind: str) -> str:
+    return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def _axis_rows(analysis: StudyAnalysis) -> list[dict[str, float | str]]:
+    """Per axis: which dimension stands for it, and how near the fitted direction lies to that dimension."""
+    rows: list[dict[str, float | str]] = []
+    for index, axis in enumerate(("c", "d")):
+        dimension = int(analysis.axes.order[index])
+        rows.append(
+            {
+                "axis": axis,
+                "dimension": dimension + 1,
+                "angle_deg": float(analysis.axes.vectors[axis].angle_deg[dimension]),
+                "r_squared": analysis.axes.vectors[axis].r_squared,
+                "identity_angle_deg": float(analysis.axes.identity_vectors[axis].angle_deg[index]),
+                "identity_r_squared": analysis.axes.identity_vectors[axis].r_squared,
+            }
+        )
+    return rows
+
+
+def _participant_rows(analysis: StudyAnalysis) -> list[dict[str, float | str | None]]:
+    confirmatory, simulated = analysis.fit.confirmatory, analysis.study.simulated
+    true = {} if simulated is None else simulated.set_index("participant_id")["ratio"].to_dict()
+    return [
+        {"participant": name, "ratio": fit.ratio, "stress1": fit.stress1, "true": true.get(name)}
+        for name, fit in zip(confirmatory.participants, confirmatory.individual, strict=True)
+    ]
+
+
+def _versions() -> dict[str, str]:
+    found = {"Python": platform.python_version(), "system": f"{platform.system()} {platform.machine()}"}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return found
+
+
+def _hashes(study: Path) -> dict[str, str]:
+    """SHA-256 of what the report was made from: the manifests, which hold the images' own, and the data files."""
+    files = sorted(stimulus_folder(study, "").glob(f"*/{MANIFEST_NAME}")) + sorted(
+        dataset_folder(study).glob("data/**/*.csv")
+    )
+    return {path.relative_to(study).as_posix(): sha256_of(path) for path in files}

@@ -1,0 +1,230 @@
+"""The gloss paper's whole study in one folder, and its analysis.
+
+Layout of a study folder, which `gloss reproduce` fills and `gloss report` reads::
+
+    stimuli/experiment1, stimuli/contrast, stimuli/doi    stimulus sets with their manifests
+    dataset/                                              the judgements of all participants
+    gloss-space.json                                      the fitted space
+    report.html
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from gloss_analysis.axes import PropertyVector, matched_dimensions, property_vector, rotated_to, rotation_cost
+from gloss_analysis.dissimilarity import Dissimilarities, from_table
+from gloss_analysis.fit import GlossSpaceFit, axis_coordinates, fit_gloss_space, rated_along
+from gloss_analysis.mds import MdsSolution, scale
+from gloss_analysis.stress_curve import stress_curve
+from glossspace.dataset import read_dissimilarities, read_magnitudes, read_simulated_observers
+from glossspace.stimulus_set import StimulusSet, read_stimulus_set
+
+__all__ = [
+    "STIMULUS_SETS",
+    "AxisReading",
+    "Study",
+    "StudyAnalysis",
+    "analyse_study",
+    "dataset_folder",
+    "gloss_space_file",
+    "read_study",
+    "report_file",
+    "stimulus_folder",
+]
+
+STIMULUS_SETS = ("experiment1", "contrast", "doi")
+_ROTATIONS_DEG = np.arange(-45.0, 46.0, 5.0)
+
+
+def stimulus_folder(study: Path, name: str) -> Path:
+    """Folder of one stimulus set of a study."""
+    return study / "stimuli" / name
+
+
+def dataset_folder(study: Path) -> Path:
+    """Folder of a study's dataset."""
+    return study / "dataset"
+
+
+def gloss_space_file(study: Path) -> Path:
+    """Where a study keeps its fitted gloss space."""
+    return study / "gloss-space.json"
+
+
+def report_file(study: Path) -> Path:
+    """Where a study keeps its report."""
+    return study / "report.html"
+
+
+@dataclass(frozen=True)
+class Study:
+    """What was shown and what was answered.
+
+    Attributes
+    ----------
+    folder : Path
+    sets : mapping of str to StimulusSet
+    stimuli : DataFrame
+        All stimuli of all sets, once each.
+    pairs : Dissimilarities
+    ratings : mapping of {"c", "d"} to DataFrame
+        Magnitude estimates of the contrast and of the distinctness study.
+    simulated : DataFrame or None
+        True parameters of the simulated participants, where there are any.
+    """
+
+    folder: Path
+    sets: dict[str, StimulusSet]
+    stimuli: pd.DataFrame
+    pairs: Dissimilarities
+    ratings: dict[str, pd.DataFrame]
+    simulated: pd.DataFrame | None
+
+
+@dataclass(frozen=True)
+class AxisReading:
+    """How the dimensions of the two-dimensional solutions relate to c and d.
+
+    Attributes
+    ----------
+    order, sign : ndarray, shape (2,)
+        Which dimension of the weighted solution stands for c and for d, and whether it runs backwards.
+    vectors : mapping of {"c", "d"} to PropertyVector
+        Fitted to the weighted solution.
+    rotation_deg, rotation_stress1 : ndarray
+        Stress after turning the weighted solution's axes, with weights fitted anew.
+    identity_rotated : ndarray, shape (n, 2)
+        The identity solution, turned towards (c, weight * d).
+    identity_vectors : mapping of {"c", "d"} to PropertyVector
+        Fitted to the turned identity solution.
+    """
+
+    order: np.ndarray
+    sign: np.ndarray
+    vectors: dict[str, PropertyVector]
+    rotation_deg: np.ndarray
+    rotation_stress1: np.ndarray
+    identity_rotated: np.ndarray
+    identity_vectors: dict[str, PropertyVector]
+
+
+@dataclass(frozen=True)
+class StudyAnalysis:
+    """Everything that the report of a study shows.
+
+    Attributes
+    ----------
+    study : Study
+    seed : int
+    curve : tuple of MdsSolution
+        Weighted non-metric solutions in 1 to 5 dimensions.
+    plane, identity_plane : MdsSolution
+        The two-dimensional solutions with and without participants' weights.
+    coordinates : DataFrame
+        c and d of the stimuli of Experiment 1, in the order of the solutions.
+    axes : AxisReading
+    fit : GlossSpaceFit
+    rated : mapping of {"c", "d"} to DataFrame
+        Mean ratings beside the coordinates.
+    """
+
+    study: Study
+    seed: int
+    curve: tuple[MdsSolution, ...]
+    plane: MdsSolution
+    identity_plane: MdsSolution
+    coordinates: pd.DataFrame
+    axes: AxisReading
+    fit: GlossSpaceFit
+    rated: dict[str, pd.DataFrame]
+
+
+def read_study(folder: Path) -> Study:
+    """Read a study folder.
+
+    Raises
+    ------
+    GlossError
+        A part is missing or broken; the message says which and how to mend it.
+    """
+    sets = {name: read_stimulus_set(stimulus_folder(folder, name)) for name in STIMULUS_SETS}
+    stimuli = pd.concat([one.table() for one in sets.values()]).drop_duplicates("stimulus", ignore_index=True)
+    dataset = dataset_folder(folder)
+    return Study(
+        folder=folder,
+        sets=sets,
+        stimuli=stimuli,
+        pairs=from_table(read_dissimilarities(dataset), source=f"The dataset '{dataset}'"),
+        ratings={"c": read_magnitudes(dataset, "contrast"), "d": read_magnitudes(dataset, "doi")},
+        simulated=read_simulated_observers(dataset),
+    )
+
+
+def analyse_study(
+    study: Study, *, seed: int = 1, n_jobs: int = 1, on_step: Callable[[str], None] = lambda step: None
+) -> StudyAnalysis:
+    """Analyse a study as the gloss paper does: dimensionality, axes, ratings, and the gloss space.
+
+    Parameters
+    ----------
+    study : Study
+    seed : int
+        Of the random starts.
+    n_jobs : int
+        Processes; the result does not depend on it.
+    on_step : callable
+        Called with a few words before each part, to show progress.
+
+    Returns
+    -------
+    StudyAnalysis
+    """
+    on_step("Stress curve, 1 to 5 dimensions")
+    curve = stress_curve(study.pairs, seed=seed, n_jobs=n_jobs)
+    plane = next(solution for solution in curve if solution.n_dims == 2)
+    on_step("Common space without weights")
+    identity_plane = scale(study.pairs, n_dims=2, model="identity", seed=seed, n_jobs=n_jobs)
+    on_step("Weights of the axes, regression of ratings")
+    fit = fit_gloss_space(
+        study.stimuli, study.pairs, study.ratings, name="this study", provenance=_provenance(study, seed)
+    )
+    coordinates = axis_coordinates(study.stimuli, list(study.pairs.stimuli))
+    on_step("Reading of the axes")
+    return StudyAnalysis(
+        study=study,
+        seed=seed,
+        curve=curve,
+        plane=plane,
+        identity_plane=identity_plane,
+        coordinates=coordinates,
+        axes=_read_axes(study.pairs, plane, identity_plane, coordinates, fit.space.weight_d),
+        fit=fit,
+        rated={axis: rated_along(study.stimuli, table) for axis, table in study.ratings.items()},
+    )
+
+
+def _read_axes(
+    pairs: Dissimilarities, plane: MdsSolution, identity: MdsSolution, coordinates: pd.DataFrame, weight_d: float
+) -> AxisReading:
+    properties = coordinates[["c", "d"]].to_numpy()
+    order, sign = matched_dimensions(plane.coordinates, properties)
+    turned = rotated_to(identity.coordinates, properties * [1.0, weight_d])
+    return AxisReading(
+        order=order,
+        sign=sign,
+        vectors={axis: property_vector(plane.coordinates, coordinates[axis].to_numpy()) for axis in ("c", "d")},
+        rotation_deg=_ROTATIONS_DEG,
+        rotation_stress1=rotation_cost(pairs, plane, _ROTATIONS_DEG),
+        identity_rotated=turned,
+        identity_vectors={axis: property_vector(turned, coordinates[axis].to_numpy()) for axis in ("c", "d")},
+    )
+
+
+def _provenance(study: Study, seed: int) -> dict[str, object]:
+    simulated = set() if study.simulated is None else set(study.simulated["participant_id"])
+    observers = [f"{name} (simulated)" if name in simulated else name for name in study.pairs.participants]
+    return {"observers": observers, "seed": seed, "stimulus_sets": list(study.sets)}
