@@ -63,9 +63,11 @@ class Journal:
     answers: list[Answer] = field(default_factory=list)
     finished: bool = False
     torn: bool = False
+    _made_folders: list[Path] = field(default_factory=list, repr=False)
     _stream: FileIO = field(init=False, repr=False)
 
     def __enter__(self) -> "Journal":
+        self._made_folders = [folder for folder in self.path.parents[:2] if not folder.exists()]
         self.path.parent.mkdir(parents=True, exist_ok=True)
         new = not self.path.exists()
         # Unbuffered: what the system has not taken is never written later, behind the back of an error.
@@ -75,6 +77,8 @@ class Journal:
                 raise GlossError(
                     f"Another process is running the session of '{self.path}'. Let it end, then try again."
                 )
+            if not _is_still_at(self.path, self._stream):
+                raise GlossError(f"The journal '{self.path}' was removed while it was opened; run the command again.")
             if new:
                 _flush_folder(self.path.parent)
             self._load()
@@ -86,25 +90,45 @@ class Journal:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._stream.close()
+        if self.header is not None:
+            self._stream.close()
+            return
+        # A session that could not begin leaves nothing behind. Where an open file can be removed, it is removed under
+        # its lock; Windows cannot, and there refuses to remove one that another process has opened meanwhile.
+        with contextlib.suppress(OSError):
+            if os.name == "posix":
+                self.path.unlink(missing_ok=True)
+            self._stream.close()
+            if os.name != "posix":
+                self.path.unlink(missing_ok=True)
+            for folder in self._made_folders:
+                folder.rmdir()
 
     def begin(self, header: Mapping[str, Any]) -> None:
-        """Write the header of a new journal, or check that of a begun one against `header`.
+        """Write the header of a new journal.
 
         Raises
         ------
         GlossError
-            The session was begun with another seed, protocol, observer or with other images, or cannot be written.
+            It cannot be written.
         """
-        wanted = {"type": "header", "format": FORMAT, "version": VERSION, **header}
-        if self.header is None:
-            self._append(wanted)
-            self.header = wanted
-            return
+        line = {"type": "header", "format": FORMAT, "version": VERSION, **header}
+        self._append(line)
+        self.header = line
+
+    def check(self, wanted: Mapping[str, Any]) -> None:
+        """Check that the session on the disk is the one that is `wanted`.
+
+        Raises
+        ------
+        GlossError
+            It was begun with another seed, protocol or observer, or with other images.
+        """
+        begun = self.header or {}
         for key, advice in _FIXED.items():
-            if self.header.get(key) != wanted.get(key):
+            if begun.get(key) != wanted.get(key):
                 raise GlossError(
-                    f"The session in '{self.path}' was begun with {key} {_short(self.header.get(key))}, "
+                    f"The session in '{self.path}' was begun with {key} {_short(begun.get(key))}, "
                     f"but {_short(wanted.get(key))} is asked for: {advice}, {_WAY_OUT}."
                 )
 
@@ -198,6 +222,14 @@ class Journal:
             self.answers.append(Answer(trial, checked_rating(line["rating"]), line["response_time_s"]))
         elif line["type"] == "finished":
             self.finished = True
+
+
+def _is_still_at(path: Path, stream: FileIO) -> bool:
+    # Between opening and locking it, another process may have removed its empty journal, and this one with it.
+    try:
+        return os.path.samestat(path.stat(), os.fstat(stream.fileno()))
+    except FileNotFoundError:
+        return False
 
 
 def _short(value: object) -> str:

@@ -3,28 +3,26 @@
 import hashlib
 import json
 import platform
-from collections.abc import Iterable
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Any
 
-from gloss_experiments.design import Trial
 from glossspace.files import sha256_of
-from glossspace.stimulus_set import StimulusSet
 
 __all__ = ["circumstances", "images_sha256"]
 
 
-def images_sha256(stimulus_set: StimulusSet, trials: Iterable[Trial]) -> str:
-    """One hash of all images that the trials show."""
-    names = sorted({name for trial in trials for name in trial.stimuli})
-    hashes = {name: sha256_of(stimulus_set.image_path(name)) for name in names}
+def images_sha256(images: Mapping[str, Path]) -> str:
+    """One hash of the images of a session, by the names of their stimuli."""
+    hashes = {name: sha256_of(path) for name, path in sorted(images.items())}
     return hashlib.sha256(json.dumps(hashes).encode("utf-8")).hexdigest()
 
 
 def circumstances(mode: str) -> dict[str, Any]:
     """When, on what and with which versions a part of a session runs."""
-    packages = ["glossspace", "numpy", *(["psychopy"] if mode != "headless" else [])]
+    packages = ("glossspace", "numpy") if mode == "headless" else ("glossspace", "numpy", "psychopy")
     return {
         "mode": mode,
         "time": datetime.now(UTC).isoformat(timespec="seconds"),

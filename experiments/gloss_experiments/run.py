@@ -1,28 +1,17 @@
-"""Running one session: the state machine, driven by a person or a simulated observer, journalled trial by trial."""
+"""Running one session: what is asked for is checked against what is on the disk, run or resumed, and published."""
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, get_args
-from typing import Protocol as Interface
+from typing import Any, get_args
 
-from gloss_experiments.design import design_trials, session_seed
+from gloss_experiments.design import Trial, design_trials, session_seed
+from gloss_experiments.drive import Mode, drive, open_presenter
 from gloss_experiments.journal import Journal, journal_path
 from gloss_experiments.observer import Judge, SimulatedObserver, observer_named
 from gloss_experiments.protocol import Protocol, read_protocol
 from gloss_experiments.provenance import circumstances, images_sha256
-from gloss_experiments.session import (
-    Answer,
-    Confirmed,
-    Continued,
-    Event,
-    Phase,
-    RatingChosen,
-    SessionState,
-    advance,
-    start_session,
-)
+from gloss_experiments.session import Answer, Phase, SessionState, start_session
 from glossspace.dataset import (
     data_path,
     read_simulated_observers,
@@ -36,8 +25,6 @@ from glossspace.errors import GlossError
 from glossspace.stimulus_set import StimulusSet, read_stimulus_set
 
 __all__ = ["Mode", "SessionResult", "run_session"]
-
-Mode = Literal["headless", "simulate", "screen"]
 
 
 @dataclass(frozen=True)
@@ -73,32 +60,6 @@ class SessionResult:
     seed: int
     already_finished: bool = False
     torn: bool = False
-
-
-class Presenter(Interface):
-    """Whoever turns the state of a session into the observer's next event: a screen, or a judge without one."""
-
-    def next_event(self, state: SessionState) -> Event | None:
-        """The next event; None to stop here."""
-
-    def finish(self, state: SessionState) -> None:
-        """All trials are judged."""
-
-
-@dataclass(frozen=True)
-class HeadlessPresenter:
-    """A simulated observer without a screen."""
-
-    judge: Judge
-
-    def next_event(self, state: SessionState) -> Event:
-        """Go on, rate, confirm."""
-        if state.phase is not Phase.RATING or state.trial is None:
-            return Continued()
-        return RatingChosen(self.judge.rate(state.trial)) if state.rating is None else Confirmed()
-
-    def finish(self, state: SessionState) -> None:
-        """Nobody is there to be thanked."""
 
 
 def run_session(
@@ -153,164 +114,165 @@ def run_session(
         raise GlossError(f"Unknown mode '{mode}'; allowed are {', '.join(get_args(Mode))}.")
     if mode == "screen" and observer is not None:
         raise GlossError("A simulated observer was given, but mode 'screen' is for a person; use 'simulate'.")
+    if seed is not None and seed < 0:
+        raise GlossError(f"The seed {seed} is not allowed; it is a whole number from 0.")
+    plan = _plan(protocol, stimuli, Path(dataset), participant, str(session), mode, seed, observer)
+    with Journal(plan.journal) as journal:
+        if journal.header is not None:
+            journal.check(plan.fixed())
+            journal.check_order(plan.trials)
+        n_before = len(journal.answers)
+        state = start_session(plan.trials, n_answered=n_before)
+        already_finished = state.phase is Phase.DONE and plan.data.exists()
+        if state.phase is not Phase.DONE:
+            state = _run(plan, journal, state, on_trial)
+        if state.phase is Phase.DONE:
+            journal.finish()
+            _publish(plan, journal.answers)
+        return SessionResult(
+            participant_id=plan.participant,
+            session=plan.session,
+            task=plan.protocol.name,
+            data_path=plan.data if state.phase is Phase.DONE else None,
+            journal_path=plan.journal,
+            n_trials=len(plan.trials),
+            n_answered=state.n_answered,
+            n_before=n_before,
+            simulated=plan.observer is not None,
+            mode=mode,
+            seed=plan.seed,
+            already_finished=already_finished,
+            torn=journal.torn,
+        )
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """All that a session needs, checked: made before anything is written."""
+
+    protocol: Protocol
+    stimulus_set: StimulusSet
+    dataset: Path
+    participant: str
+    session: str
+    mode: Mode
+    seed: int
+    order_seed: int
+    trials: tuple[Trial, ...]
+    observer: SimulatedObserver | None
+    journal: Path
+    data: Path
+
+    def images(self) -> dict[str, Path]:
+        """The images that the trials show."""
+        names = sorted({name for trial in self.trials for name in trial.stimuli})
+        return {name: self.stimulus_set.image_path(name) for name in names}
+
+    def fixed(self) -> dict[str, Any]:
+        """What makes two runs parts of the same session."""
+        simulated = {} if self.observer is None else self.observer.parameters()
+        return {
+            "participant": self.participant,
+            "session": self.session,
+            "task": self.protocol.name,
+            "seed": self.seed,
+            "protocol_sha256": self.protocol.sha256(),
+            "stimuli_sha256": images_sha256(self.images()),
+            "observer": {"kind": "human" if self.observer is None else "simulated", **simulated},
+        }
+
+
+def _plan(
+    protocol: str | Path | Protocol,
+    stimuli: str | Path | StimulusSet,
+    dataset: Path,
+    participant: str,
+    session: str,
+    mode: Mode,
+    seed: int | None,
+    observer: SimulatedObserver | None,
+) -> _Plan:
     protocol = protocol if isinstance(protocol, Protocol) else read_protocol(protocol)
     participant = checked_label(participant, what="participant")
     session = checked_label(session, what="session")
     stimulus_set = stimuli if isinstance(stimuli, StimulusSet) else read_stimulus_set(stimuli)
-    dataset = Path(dataset)
     if dataset.exists() and not dataset.is_dir():
         raise GlossError(f"The dataset '{dataset}' is a file; give a folder, which is made if absent.")
-
-    journal = Journal(journal_path(dataset, participant=participant, session=session, task=protocol.name))
+    journal = journal_path(dataset, participant=participant, session=session, task=protocol.name)
     data = data_path(dataset, participant=participant, session=session, task=protocol.name)
-    if data.exists() and not journal.path.exists():
+    if data.exists() and not journal.exists():
         raise GlossError(
             f"The data file '{data}' exists without its journal: the session is finished and is never run again. "
             "Give the participant another session number."
         )
-    seed = _study_seed(seed, journal.path)
+    if seed is None:
+        seed = _seed_begun_with(journal)
     order_seed = session_seed(seed, participant=participant, session=session, task=protocol.name)
     trials = design_trials(protocol, [stimulus.name for stimulus in stimulus_set.stimuli], seed=order_seed)
     if mode != "screen":
         observer = observer or observer_named(participant, seed=seed)
-    _keep_people_and_programs_apart(dataset, participant, observer)
-    header = {
-        "participant": participant,
-        "session": session,
-        "task": protocol.name,
-        "seed": seed,
-        "n_trials": len(trials),
-        "protocol_sha256": protocol.sha256(),
-        "stimulus_set": stimulus_set.name,
-        "stimuli_sha256": images_sha256(stimulus_set, trials),
-        "observer": {"kind": "human"} if observer is None else {"kind": "simulated", **observer.parameters()},
-        "protocol": protocol.model_dump(mode="json"),
-        **circumstances(mode),
-    }
-    with journal:
-        n_before = len(journal.answers)
-        resumed = journal.header is not None and not journal.finished
-        journal.begin(header)
-        journal.check_order(trials)
-        state = start_session(trials, n_answered=n_before)
-        finished_before = state.phase is Phase.DONE and data.exists()
-        if not finished_before:
-            if resumed:
-                journal.note("resumed", torn=journal.torn, **circumstances(mode))
-            state = _run(state, journal, protocol, stimulus_set, observer, order_seed, mode, on_trial)
-        if state.phase is Phase.DONE:
-            journal.finish()
-            _publish(journal.answers, dataset, data, protocol, participant, session, observer)
-    return SessionResult(
-        participant_id=participant,
-        session=session,
-        task=protocol.name,
-        data_path=data if state.phase is Phase.DONE else None,
-        journal_path=journal.path,
-        n_trials=len(trials),
-        n_answered=state.n_answered,
-        n_before=n_before,
-        simulated=observer is not None,
-        mode=mode,
-        seed=seed,
-        already_finished=finished_before,
-        torn=journal.torn,
+    return _Plan(
+        protocol, stimulus_set, dataset, participant, session, mode, seed, order_seed, trials, observer, journal, data
     )
 
 
-def _study_seed(seed: int | None, path: Path) -> int:
-    if seed is not None:
-        if seed < 0:
-            raise GlossError(f"The seed {seed} is not allowed; it is a whole number from 0.")
-        return seed
+def _seed_begun_with(path: Path) -> int:
     if not path.exists():
         return 0
     with Journal(path) as journal:
         return int(journal.header["seed"]) if journal.header else 0
 
 
-def _keep_people_and_programs_apart(dataset: Path, participant: str, observer: SimulatedObserver | None) -> None:
-    known = read_simulated_observers(dataset)
-    simulated_before = known is not None and participant in set(known["participant_id"])
-    if observer is None and simulated_before:
-        raise GlossError(f"Participant '{participant}' of '{dataset}' is simulated; give a person another identifier.")
-    if observer is not None and not simulated_before and list((dataset / "journals").glob(f"subject-{participant}_*")):
-        raise GlossError(
-            f"Participant '{participant}' of '{dataset}' is a person; give a simulated observer another identifier."
-        )
-    if observer is not None:
-        # Before the journal: whatever moment a kill comes, no simulated answer exists without its name in this list.
-        record_simulated_observer(dataset, participant, observer.parameters())
-
-
 def _run(
-    state: SessionState,
-    journal: Journal,
-    protocol: Protocol,
-    stimulus_set: StimulusSet,
-    observer: SimulatedObserver | None,
-    order_seed: int,
-    mode: Mode,
-    on_trial: Callable[[int, int], None] | None,
+    plan: _Plan, journal: Journal, state: SessionState, on_trial: Callable[[int, int], None] | None
 ) -> SessionState:
-    names = {name for trial in state.trials for name in trial.stimuli}
+    if journal.header is None:
+        _keep_people_and_programs_apart(plan)
+    images = plan.images()
     judge = None
-    if observer is not None:
-        axes = {stimulus.name: (stimulus.c, stimulus.d) for stimulus in stimulus_set.stimuli if stimulus.name in names}
-        judge = Judge(observer, axes, order_seed)
-    if state.phase is Phase.DONE:  # killed after the last trial, before the data file
-        return state
-    with _presenter(protocol, stimulus_set, names, judge, mode) as presenter:
-        while state.phase is not Phase.DONE:
-            event = presenter.next_event(state)
-            if event is None:
-                break
-            after = advance(state, event)
-            if after.n_answered > state.n_answered and after.last_answer is not None:
-                journal.append(after.last_answer, mode=mode)
-                if on_trial is not None:
-                    on_trial(after.n_answered, len(after.trials))
-            state = after
-        if state.phase is Phase.DONE:
-            presenter.finish(state)
-    return state
+    if plan.observer is not None:
+        axes = {stimulus.name: (stimulus.c, stimulus.d) for stimulus in plan.stimulus_set.stimuli}
+        judge = Judge(plan.observer, {name: axes[name] for name in images}, plan.order_seed)
+    with open_presenter(plan.protocol, images, judge=judge, mode=plan.mode) as presenter:
+        # Written once the window stands: a session that could not begin leaves nothing behind.
+        if journal.header is not None:
+            journal.note("resumed", torn=journal.torn, **circumstances(plan.mode))
+        else:
+            if plan.observer is not None:
+                # Before the header: whenever a kill comes, no simulated answer is without its name in this list.
+                record_simulated_observer(plan.dataset, plan.participant, plan.observer.parameters())
+            details = {
+                "n_trials": len(plan.trials),
+                "stimulus_set": plan.stimulus_set.name,
+                "protocol": plan.protocol.model_dump(mode="json"),
+            }
+            journal.begin({**plan.fixed(), **details, **circumstances(plan.mode)})
+        return drive(state, presenter, journal, mode=plan.mode, on_trial=on_trial)
 
 
-@contextmanager
-def _presenter(
-    protocol: Protocol, stimulus_set: StimulusSet, names: set[str], judge: Judge | None, mode: Mode
-) -> Iterator[Presenter]:
-    if mode == "headless":
-        assert judge is not None  # every mode but "screen" has an observer
-        yield HeadlessPresenter(judge)
-        return
-    from gloss_experiments.screen import open_screen
-
-    images = {name: stimulus_set.image_path(name) for name in sorted(names)}
-    with open_screen(protocol, images, judge=judge) as screen:
-        yield screen
+def _keep_people_and_programs_apart(plan: _Plan) -> None:
+    known = read_simulated_observers(plan.dataset)
+    simulated_before = known is not None and plan.participant in set(known["participant_id"])
+    who = f"Participant '{plan.participant}' of '{plan.dataset}'"
+    if plan.observer is None and simulated_before:
+        raise GlossError(f"{who} is simulated; give a person another identifier.")
+    others = (path for path in plan.journal.parent.glob(f"subject-{plan.participant}_*") if path != plan.journal)
+    if plan.observer is not None and not simulated_before and any(others):
+        raise GlossError(f"{who} is a person; give a simulated observer another identifier.")
 
 
-def _publish(
-    answers: list[Answer],
-    dataset: Path,
-    data: Path,
-    protocol: Protocol,
-    participant: str,
-    session: str,
-    observer: SimulatedObserver | None,
-) -> None:
-    if data.exists():
-        update_description(dataset)  # the kill may have come between the data file and its description
+def _publish(plan: _Plan, answers: list[Answer]) -> None:
+    if plan.data.exists():
+        update_description(plan.dataset)  # a kill may have come between the data file and its description
         return
     write_session_data(
-        dataset,
-        [_row(answer, protocol) for answer in answers],
-        kind=protocol.kind,
-        participant=participant,
-        session=session,
-        task=protocol.name,
-        observer="human" if observer is None else "simulated",
+        plan.dataset,
+        [_row(answer, plan.protocol) for answer in answers],
+        kind=plan.protocol.kind,
+        participant=plan.participant,
+        session=plan.session,
+        task=plan.protocol.name,
+        observer="human" if plan.observer is None else "simulated",
     )
 
 
