@@ -248,7 +248,7 @@ def _check_files(folder: Path, entry: dict[str, Any], path: Path, *, verify: boo
         file = folder / str(entry[kind])
         if not file.is_file():
             raise GlossError(
-                f"The {kind} of the stimulus '{entry['name']}' is missing: '{file}'. Render the set again or restore it."
+                f"The {kind} of '{entry['name']}' is missing: there is no '{file}'. Render the set again or restore it."
             )
         recorded = entry["sha256"].get(kind) if isinstance(entry["sha256"], dict) else None
         if not isinstance(recorded, str):

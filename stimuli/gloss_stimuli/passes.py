@@ -1,4 +1,4 @@
-"""Coefficient passes with a cache: stimuli that share a scene share the diffuse pass, those that share an α the other."""
+"""Coefficient passes and their cache: stimuli of a scene share the diffuse pass, those of one α the specular one."""
 
 import hashlib
 import json
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from gloss_stimuli.coefficients import COVARIANCE_TERMS, Coefficients, average
 from gloss_stimuli.quality import Quality
 from gloss_stimuli.scene import Scene
-from gloss_stimuli.tracer import ORDER, diffuse_exponents, specular_exponents, trace_pass
+from gloss_stimuli.tracer import diffuse_exponents, specular_exponents, trace_pass
 from gloss_stimuli.variant import use_llvm
 from glossspace.files import sha256_of, whole_file
 

@@ -261,7 +261,8 @@ def _say_error(wanted: StimulusList, entries: list[dict[str, Any]]) -> None:
     )
     note(
         f"{wanted.name}: {len(entries)} stimuli by {METHOD}. Estimated error of the worst image ({worst['name']}): "
-        f"{error['median']:.2f} code values in the median, {error['percentile_99_9']:.2f} at 99.9 % of its pixels; {verdict}."
+        f"{error['median']:.2f} code values in the median, {error['percentile_99_9']:.2f} at 99.9 % of its pixels; "
+        f"{verdict}."
     )
     clipped = sum(entry["clipped_pixels"] for entry in entries)
     if clipped:

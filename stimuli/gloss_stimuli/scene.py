@@ -118,7 +118,9 @@ class Scene(_Section):
         low, high = self.box.minimum, self.box.maximum
         center, radius, eye = self.sphere.center, self.sphere.radius, self.camera.position
         if any(c - radius <= a or c + radius >= b for c, a, b in zip(center, low, high, strict=True)):
-            raise ValueError(f"sphere: center {center} with radius {radius} must lie wholly inside the box {low} to {high}")
+            raise ValueError(
+                f"sphere: center {center} with radius {radius} must lie wholly inside the box {low} to {high}"
+            )
         if any(not a < x < b for x, a, b in zip(eye, low, high, strict=True)):
             raise ValueError(f"camera.position: {eye} must lie inside the box {low} to {high}")
         if math.dist(eye, center) <= radius:
@@ -128,7 +130,9 @@ class Scene(_Section):
             raise ValueError("camera.target: must differ from camera.position, and not lie straight above or below it")
         for x, width, a, b in zip(self.light.center_xz, self.light.size_xz, low[::2], high[::2], strict=True):
             if x - width / 2 < a or x + width / 2 > b:
-                raise ValueError(f"light: center_xz {self.light.center_xz}, size_xz {self.light.size_xz} leaves the ceiling")
+                raise ValueError(
+                    f"light: center_xz {self.light.center_xz}, size_xz {self.light.size_xz} leave the ceiling"
+                )
         tone = self.tone
         if not tone.minimum_luminance_cd_m2 < tone.adapting_luminance_cd_m2 < tone.maximum_luminance_cd_m2:
             raise ValueError("tone: the adapting luminance must lie between the minimum and the maximum luminance")

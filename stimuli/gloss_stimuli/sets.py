@@ -91,7 +91,8 @@ def read_stimulus_list(source: str | Path) -> StimulusList:
         path = shipped_folder(__file__, "sets") / f"{source}.toml"
     elif not path.is_file():
         raise GlossError(
-            f"Unknown stimulus set '{source}': neither a file nor a shipped set. Shipped sets: {', '.join(shipped_sets())}."
+            f"Unknown stimulus set '{source}': neither a file nor a shipped set. "
+            f"Shipped sets: {', '.join(shipped_sets())}."
         )
     if path.suffix.lower() == ".toml":
         return _read_toml(path)

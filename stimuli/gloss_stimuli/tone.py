@@ -5,8 +5,8 @@ luminance::
 
     s(x) = D (x^g + 1/k) / (x^g + k)
 
-Its log-log slope at x = 1 is ``g (k - 1) / (k + 1)`` and its asymptotic contrast k². `solve_tone_curve` chooses g, k and
-D so that the slope is the wanted one, s(x_max) / s(x_min) is the display's contrast and s(x_max) = 1.
+Its log-log slope at x = 1 is ``g (k - 1) / (k + 1)`` and its asymptotic contrast k². `solve_tone_curve` chooses g, k
+and D so that the slope is the wanted one, s(x_max) / s(x_min) is the display's contrast and s(x_max) = 1.
 """
 
 import math
@@ -113,8 +113,8 @@ def solve_tone_curve(*, adapting: float, minimum: float, maximum: float, slope: 
 
     if not (0 <= minimum < adapting < maximum < math.inf and slope > 0 and 1 < contrast < math.inf):
         raise GlossError(
-            "A tone curve needs 0 <= minimum < adapting < maximum luminance, a slope above 0 and a contrast above 1, but got "
-            f"{minimum:g}, {adapting:g}, {maximum:g} cd/m2, {slope:g} and {contrast:g}."
+            "A tone curve needs 0 <= minimum < adapting < maximum luminance, a slope above 0 and a contrast above 1, "
+            f"but got {minimum:g}, {adapting:g}, {maximum:g} cd/m2, {slope:g} and {contrast:g}."
         )
     low, high = minimum / adapting, maximum / adapting
 
@@ -126,8 +126,8 @@ def solve_tone_curve(*, adapting: float, minimum: float, maximum: float, slope: 
     if excess(smallest) > 0 or excess(largest) < 0:
         reach = math.exp(min(_log_contrast(largest, slope=slope, low=low, high=high), 700.0))
         raise GlossError(
-            f"No tone curve of slope {slope:g} spans a contrast of {contrast:g} between {minimum:g} and {maximum:g} cd/m2: "
-            f"it reaches {reach:.4g} at most. Raise [tone] slope, or widen its luminance range."
+            f"No tone curve of slope {slope:g} spans a contrast of {contrast:g} between {minimum:g} and {maximum:g} "
+            f"cd/m2: it reaches {reach:.4g} at most. Raise [tone] slope, or widen its luminance range."
         )
     knee = math.exp(brentq(excess, smallest, largest, xtol=1e-15, rtol=1e-15, maxiter=500))
     exponent = _exponent(math.log(knee), slope)

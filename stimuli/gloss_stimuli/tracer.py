@@ -13,6 +13,7 @@ points are a lattice, shifted by a hash of pixel, dimension and seed, so that ea
 One lane owns one pixel and loops over its samples, so the sums never depend on the number of threads.
 """
 
+import hashlib
 import math
 from typing import Any
 
@@ -31,8 +32,8 @@ ORDER = 4
 NUMBERS_A_VERTEX = 6
 # Camera position and three vertices come from the lattice; later vertices matter little and take plain hashed numbers.
 LATTICE_DIMENSIONS = 2 + 3 * NUMBERS_A_VERTEX
-# Share of specular reflections: a specular pass needs one, and mostly wants it at the first meeting with the sphere.
-FIRST_SPECULAR_SHARE = 0.8
+# Share of specular reflections at the sphere, before and after the first one, without which a path adds nothing.
+NEEDED_SPECULAR_SHARE = 0.8
 LATER_SPECULAR_SHARE = 0.3
 
 
@@ -68,7 +69,7 @@ def trace_pass(
     samples : int
         Paths a pixel, a power of two.
     seed : int
-        Any integer from 0 to 2^64 - 1; other seeds give independent estimates.
+        Any integer; other seeds give independent estimates.
     alpha : float, optional
         Roughness of the lobe for a specular pass; None for the diffuse pass.
 
@@ -89,14 +90,15 @@ def trace_pass(
     opaque_alpha = dr.opaque(mi.Float, 1.0 if alpha is None else alpha)
     count = dr.opaque(mi.UInt32, samples)
     width = dr.opaque(mi.UInt32, size)
-    key = dr.opaque(mi.UInt32, seed & 0xFFFFFFFF), dr.opaque(mi.UInt32, (seed >> 32) & 0xFFFFFFFF)
+    # Hashed, since the key is added to the pixel: neighbouring seeds would repeat the numbers of neighbouring pixels.
+    digest = hashlib.sha256(str(seed).encode()).digest()
+    key = tuple(dr.opaque(mi.UInt32, int.from_bytes(digest[k : k + 4], "little")) for k in (0, 4))
     generator = mi.UInt32(np.array(lattice_generator(samples, LATTICE_DIMENSIONS), dtype=np.uint32))
     step = dr.opaque(mi.UInt32, (1 << 32) // samples % (1 << 32))
     points = _Points(mi.UInt32(pixels), generator, step, key)
     world = _World(scene)
     axes = tuple(mi.Vector3f(*axis) for axis in scene.camera.axes())
     half_width = math.tan(math.radians(scene.camera.field_of_view_deg) / 2)
-    first_share, later_share = (0.0, 0.0) if alpha is None else (FIRST_SPECULAR_SHARE, LATER_SPECULAR_SHARE)
 
     pixel = points.pixel
     column, row = mi.Float(pixel % width), mi.Float(pixel // width)
@@ -158,8 +160,10 @@ def trace_pass(
         lit &= hit.on_sphere | ~world.sphere_blocks(hit.point, to_light)
         pdf_light = distance2 / (world.light_area * dr.select(lit, cos_light, 1))
         arriving = dr.select(lit, weight * world.luminance, 0)
-        share = dr.select(depth == 0, first_share, later_share)
-        share = dr.select(hit.on_sphere, share, 0)
+        share = mi.Float(0)
+        if alpha is not None:
+            share = dr.select(specular == 0, NEEDED_SPECULAR_SHARE, LATER_SPECULAR_SHARE)
+            share = dr.select(hit.on_sphere, share, 0)
         pdf_cosine = dr.maximum(cos_o, 0) / math.pi
         by_diffuse = arriving * pdf_cosine / (pdf_light + (1 - share) * pdf_cosine)
         from_hit += dr.select(hit.on_sphere, 0, hit.reflectance * by_diffuse)
@@ -200,8 +204,8 @@ def trace_pass(
         weight = weight * factor / dr.select(survival > 0, survival, 1)
         sample = dr.select(alive, sample, sample + 1)
         return (
-            mi.Point3f(hit.point), mi.Vector3f(frame.to_world(outgoing)), weight, density, diffuse, specular, depth + 1, sample,
-            alive, hit.on_sphere, sums,
+            mi.Point3f(hit.point), mi.Vector3f(frame.to_world(outgoing)), weight, density, diffuse, specular,
+            depth + 1, sample, alive, hit.on_sphere, sums,
         )  # fmt: skip
 
     state = dr.while_loop(state, unfinished, bounce, label="coefficient paths")
@@ -217,7 +221,7 @@ def trace_pass(
 class _Points:
     """Numbers in [0, 1) for (pixel, sample, dimension): a lattice shifted by a hash, plain hashes beyond it."""
 
-    def __init__(self, pixel: Any, generator: Any, step: Any, key: tuple[Any, Any]) -> None:
+    def __init__(self, pixel: Any, generator: Any, step: Any, key: tuple[Any, ...]) -> None:
         self.pixel, self._generator, self._step, self._key = pixel, generator, step, key
 
     def draw(self, sample: Any, dimension: Any) -> tuple[Any, Any]:

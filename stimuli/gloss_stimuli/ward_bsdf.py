@@ -39,7 +39,7 @@ def _ward_class() -> Any:
     import drjit as dr
     import mitsuba as mi
 
-    class Ward(mi.BSDF):  # type: ignore[misc]
+    class Ward(mi.BSDF):
         """Lambertian base plus an isotropic Ward lobe; samples each in proportion to its reflectance."""
 
         def __init__(self, props: Any) -> None:
@@ -52,8 +52,8 @@ def _ward_class() -> Any:
                 raise ValueError(f"Ward BSDF: unknown form '{self.form}'. Allowed are {', '.join(FORMS)}.")
             if not (self.alpha > 0 and self.rho_d >= 0 and self.rho_s >= 0 and self.rho_d + self.rho_s <= 1):
                 raise ValueError(
-                    "Ward BSDF: alpha must be above 0, rho_d and rho_s at least 0 with a sum of at most 1, but they are "
-                    f"{self.alpha}, {self.rho_d} and {self.rho_s}."
+                    "Ward BSDF: alpha must be above 0, rho_d and rho_s at least 0 with a sum of at most 1, but they "
+                    f"are {self.alpha}, {self.rho_d} and {self.rho_s}."
                 )
             total = self.rho_d + self.rho_s
             self.specular_share = self.rho_s / total if total > 0 else 0.5
