@@ -1,13 +1,12 @@
 """Sub-commands of the gloss space itself: convert, distance, match, isogloss."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from cyclopts import Parameter
 
-from glossspace.console import JsonFlag, note, print_json, print_table
+from glossspace.console import FiniteNumber, JsonFlag, WholeNumber, note, print_json, print_table
 from glossspace.errors import GlossError
 from glossspace.metric import (
     PAPER_ALPHA_LIMIT,
@@ -26,25 +25,17 @@ from glossspace.metric import (
 
 __all__ = ["convert", "distance", "isogloss", "match"]
 
-
-def _finite(_: object, value: float | None) -> None:
-    if value is not None and not np.isfinite(value):
-        raise ValueError("Must be a finite number.")
-
-
-# In the library NaN is a missing value; whoever types it made a mistake.
-Number = Annotated[float, Parameter(validator=_finite)]
 _FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 
 
 def convert(
     *,
-    rho_d: Number | None = None,
-    rho_s: Number | None = None,
-    alpha: Number | None = None,
-    lightness: Number | None = None,
-    c: Number | None = None,
-    d: Number | None = None,
+    rho_d: FiniteNumber | None = None,
+    rho_s: FiniteNumber | None = None,
+    alpha: FiniteNumber | None = None,
+    lightness: FiniteNumber | None = None,
+    c: FiniteNumber | None = None,
+    d: FiniteNumber | None = None,
     json: JsonFlag = False,
 ) -> None:
     """Convert a paint (rho_d, rho_s, alpha) to its appearance (lightness, c, d), or back.
@@ -133,8 +124,8 @@ def match(
     reference: str,
     /,
     *,
-    rho_d: Number | None = None,
-    lightness: Number | None = None,
+    rho_d: FiniteNumber | None = None,
+    lightness: FiniteNumber | None = None,
     json: JsonFlag = False,
 ) -> None:
     """Paint of another lightness that looks as glossy as a reference (section 5.2 of the gloss paper).
@@ -170,9 +161,9 @@ def isogloss(
     reference: str,
     /,
     *,
-    radius: Number = 0.04,
-    rho_d: Number | None = None,
-    n: int = 36,
+    radius: FiniteNumber = 0.04,
+    rho_d: FiniteNumber | None = None,
+    n: WholeNumber = 36,
     space: Path | None = None,
     figure: Path | None = None,
     json: JsonFlag = False,

@@ -1,19 +1,38 @@
 """What every sub-command shares: results on stdout, progress on stderr, and the ``--json`` flag."""
 
 import json
+import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
-from cyclopts import Parameter
+from cyclopts import Parameter, Token
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
-__all__ = ["JsonFlag", "note", "print_json", "print_table", "progress_bar"]
+__all__ = ["FiniteNumber", "JsonFlag", "WholeNumber", "note", "print_json", "print_table", "progress_bar"]
+
+
+def _require_finite(_: object, value: float | None) -> None:
+    if value is not None and not math.isfinite(value):
+        raise ValueError("Must be a finite number.")
+
+
+def _whole_number(_: object, tokens: Sequence[Token]) -> int:
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise ValueError(f"{tokens[0].value!r} is not a whole number.") from None
+
+
+# In the library NaN is a missing value; whoever types it made a mistake.
+FiniteNumber = Annotated[float, Parameter(validator=_require_finite)]
+# Left alone, the parser would round 2.5 to 2 in silence.
+WholeNumber = Annotated[int, Parameter(converter=_whole_number, n_tokens=1)]
 
 JsonFlag = Annotated[
     bool,
@@ -37,7 +56,7 @@ def _plain(value: Any) -> Any:
         return _plain(value.tolist())
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
-    if isinstance(value, float) and not np.isfinite(value):
+    if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
 

@@ -1,8 +1,9 @@
 """A gloss space: axis functions, weights, and the distance they define (eq. 5 of the gloss paper)."""
 
-import sys
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -214,11 +215,12 @@ def _axis_function(line: Mapping[str, Any]) -> AxisFunction:
 
 
 def _is_finite_number(value: object) -> bool:
-    return (
-        isinstance(value, int | float | np.integer | np.floating)
-        and not isinstance(value, bool)
-        and bool(abs(value) <= sys.float_info.max)
-    )
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an integer that no float holds
+        return False
 
 
 PAPER_SPACE = GlossSpace()
