@@ -92,7 +92,9 @@ def _report_remarks(result: SessionResult) -> None:
         note("The last line of the journal was torn, as a kill leaves it: it was cut off, and its trial shown again.")
     if result.already_finished:
         note("This session was finished already; nothing was changed.")
-    elif result.n_before:
+    elif result.mode == "screen" and result.image_angle_deg is None:
+        note("The visual angle of the images was not checked: set display.pixel_pitch_mm in the protocol.")
+    if result.n_before and not result.already_finished:
         note(f"Resumed after {result.n_before} of {result.n_trials} trials.")
 
 
@@ -121,5 +123,6 @@ def _document(result: SessionResult) -> dict[str, object]:
         "mode": result.mode,
         "seed": result.seed,
         "data": None if result.data_path is None else str(result.data_path),
+        "image_angle_deg": result.image_angle_deg,
         "journal": str(result.journal_path),
     }

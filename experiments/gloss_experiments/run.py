@@ -8,6 +8,7 @@ from typing import Any, get_args
 from gloss_experiments.design import Trial, design_trials, session_seed
 from gloss_experiments.drive import Mode, drive, open_presenter
 from gloss_experiments.journal import Journal, journal_path
+from gloss_experiments.layout import checked_angle_deg
 from gloss_experiments.observer import Judge, SimulatedObserver, observer_named
 from gloss_experiments.protocol import Protocol, read_protocol
 from gloss_experiments.provenance import circumstances, images_sha256
@@ -45,6 +46,8 @@ class SessionResult:
         Whether there was nothing left to do.
     torn
         Whether the last line of the journal was torn by a kill and its trial shown again.
+    image_angle_deg
+        Visual angle of an image on the screen; None where no screen was used or the protocol lacks its pixel pitch.
     """
 
     participant_id: str
@@ -60,6 +63,7 @@ class SessionResult:
     seed: int
     already_finished: bool = False
     torn: bool = False
+    image_angle_deg: float | None = None
 
 
 def run_session(
@@ -143,6 +147,7 @@ def run_session(
             seed=plan.seed,
             already_finished=already_finished,
             torn=journal.torn,
+            image_angle_deg=plan.image_angle_deg(),
         )
 
 
@@ -167,6 +172,11 @@ class _Plan:
         """The images that the trials show."""
         names = sorted({name for trial in self.trials for name in trial.stimuli})
         return {name: self.stimulus_set.image_path(name) for name in names}
+
+    def image_angle_deg(self) -> float | None:
+        """Visual angle of an image on the screen, where it is known."""
+        on_screen = self.mode == "screen"
+        return checked_angle_deg(self.protocol, self.stimulus_set.image_size[0]) if on_screen else None
 
     def fixed(self) -> dict[str, Any]:
         """What makes two runs parts of the same session."""
@@ -243,6 +253,7 @@ def _run(
                 record_simulated_observer(plan.dataset, plan.participant, plan.observer.parameters())
             details = {
                 "n_trials": len(plan.trials),
+                "image_angle_deg": plan.image_angle_deg(),
                 "stimulus_set": plan.stimulus_set.name,
                 "protocol": plan.protocol.model_dump(mode="json"),
             }

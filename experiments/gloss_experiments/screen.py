@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from gloss_experiments.design import Trial
-from gloss_experiments.layout import Layout, arrange
+from gloss_experiments.layout import Layout, arrange, checked_angle_deg
 from gloss_experiments.observer import Judge
 from gloss_experiments.pointer import Pointer, ScriptedPointer
 from gloss_experiments.protocol import Protocol
@@ -45,6 +45,8 @@ def open_screen(protocol: Protocol, images: Mapping[str, Path], *, judge: Judge 
         No window can be opened, an image cannot be shown as it is, or a trial does not fit into the window.
     """
     size = _common_size(images)
+    if judge is None:
+        checked_angle_deg(protocol, size[0])
     with open_window(protocol, simulated=judge is not None) as window:
         layout = arrange(protocol, image_size_px=size, window_size_px=(int(window.size[0]), int(window.size[1])))
         yield Screen(window, protocol, layout, images, judge)
@@ -98,6 +100,8 @@ class Screen:
             labelHeight=protocol.texts.size_px,
         )
         self._slider.mouse = self._mouse
+        # The line is thin; a hand that comes near enough means it.
+        self._slider.validArea.size = (1.05 * layout.slider_size[0], 3 * layout.slider_size[1])
         self._question = self._text(protocol.texts.question, layout.question)
         self._labels = [
             self._text(text, place)
@@ -116,6 +120,8 @@ class Screen:
         )
         self._button_text = self._text(protocol.texts.confirm, layout.button)
         self._message = self._text("", (0, 0))
+        # No picture of such a session shall pass for one with a person.
+        self._remark = self._text("Simulated observer", (0, -int(window.size[1]) // 2 + protocol.texts.size_px))
 
     def _text(self, text: str, place: tuple[int, int]) -> Any:
         from psychopy import visual
@@ -204,6 +210,8 @@ class Screen:
         if state.phase is not Phase.RATING or state.trial is None:
             self._draw_message(state)
             return
+        if self._script is not None:
+            self._remark.draw()
         for name, place in zip(state.trial.stimuli, self.layout.images, strict=True):
             self._images[name].pos = place  # an identical pair is one image drawn at two places
             self._images[name].draw()
