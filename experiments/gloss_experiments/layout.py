@@ -58,7 +58,7 @@ def checked_angle_deg(protocol: Protocol, image_width_px: int) -> float | None:
     if abs(angle / display.image_width_deg - 1) > ANGLE_TOLERANCE:
         width_mm = 20 * distance_cm * tan(radians(display.image_width_deg) / 2)
         raise GlossError(
-            f"The images are {angle:.2f} degrees wide on this screen, not the {display.image_width_deg:g} of the protocol. "
+            f"The images are {angle:.2f} degrees wide on this screen, but must be {display.image_width_deg:g}. "
             f"Render them with --size {round_even(width_mm / pitch_mm)}, or change the viewing distance."
         )
     return angle

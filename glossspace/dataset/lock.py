@@ -14,8 +14,9 @@ __all__ = ["locked", "try_lock"]
 if sys.platform == "win32":
     import msvcrt
 
-    # A Windows lock also hides the bytes it covers from readers: it goes far beyond any content of the file.
-    _FAR_BYTE = 2**40
+    # A Windows lock also hides the bytes it covers from readers: it goes far beyond any content of the file. The C
+    # library counts in 32 bits there.
+    _FAR_BYTE = 2**31 - 2**16
 
     def try_lock(stream: IO[Any]) -> bool:
         """Take the lock of an open file, held until it is closed; False where another process holds it."""

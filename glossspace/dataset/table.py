@@ -1,6 +1,7 @@
 """One data file as it is on the disk: a header and rows of text, each with its line number."""
 
 import csv
+import io
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,7 +34,8 @@ def read_data_file(path: Path) -> DataFile:
     Raises
     ------
     GlossError
-        It begins with a byte order mark, is not UTF-8, has no header, repeats a column, or has a row of another length.
+        It begins with a byte order mark, is not UTF-8 or no CSV, has no header, repeats a column, or has a row of
+        another length.
     """
     content = path.read_bytes()
     if content.startswith(b"\xef\xbb\xbf"):
@@ -42,20 +44,32 @@ def read_data_file(path: Path) -> DataFile:
         text = content.decode("utf-8")
     except UnicodeDecodeError as error:
         raise GlossError(f"'{path}' is not UTF-8 (byte {error.start}); save it as UTF-8.") from None
-    reader = csv.reader(text.splitlines(keepends=True), delimiter="\t" if path.suffix == ".tsv" else ",")
-    header = tuple(next(reader, ()))
+    try:
+        return _parsed(path, text)
+    except csv.Error as error:
+        raise GlossError(f"'{path}' is no CSV file: {error}.") from None
+
+
+def _parsed(path: Path, text: str) -> DataFile:
+    delimiter = "\t" if path.suffix == ".tsv" else ","
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
+    try:
+        header = tuple(next(reader, ()))
+        lines = [(reader.line_num, fields) for fields in reader]
+    except csv.Error as error:
+        raise csv.Error(f"line {reader.line_num}: {error}") from None
     if not header:
         raise GlossError(f"'{path}' is empty; the first line of a data file names its columns.")
     repeated = sorted({name for name in header if header.count(name) > 1})
     if repeated:
         raise GlossError(f"'{path}' has the column '{repeated[0]}' twice; each column has a name of its own.")
     rows = []
-    for fields in reader:
+    for line, fields in lines:
         if len(fields) != len(header):
             raise GlossError(
-                f"'{path}', line {reader.line_num}: {len(fields)} fields, but the header names {len(header)} columns."
+                f"'{path}', line {line}: {len(fields)} fields, but the header names {len(header)} columns."
             )
-        rows.append((reader.line_num, dict(zip(header, fields, strict=True))))
+        rows.append((line, dict(zip(header, fields, strict=True))))
     return DataFile(path, header, tuple(rows))
 
 

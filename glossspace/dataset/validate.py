@@ -60,7 +60,8 @@ def checked_tables(folder: str | Path) -> list[Table]:
     """The data files of a whole dataset with their kinds; the error of `validate_dataset` for any other."""
     tables, problems = _examined(Path(folder))
     if problems:
-        more = f" ({len(problems) - 1} more problems in this dataset.)" if len(problems) > 1 else ""
+        n_more = len(problems) - 1
+        more = f" ({n_more} more problem{'s' if n_more > 1 else ''} in this dataset.)" if n_more else ""
         raise GlossError(problems[0] + more)
     return tables
 
