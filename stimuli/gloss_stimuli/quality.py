@@ -33,8 +33,8 @@ class Quality:
 QUALITIES = {
     quality.name: quality
     for quality in (
-        Quality(name="draft", randomisations=8, diffuse_samples=256, sphere_samples=128, wall_samples=32),
-        Quality(name="exact", randomisations=32, diffuse_samples=1024, sphere_samples=512, wall_samples=128),
+        Quality(name="draft", randomisations=8, diffuse_samples=512, sphere_samples=128, wall_samples=16),
+        Quality(name="exact", randomisations=32, diffuse_samples=2048, sphere_samples=512, wall_samples=64),
     )
 }
 

@@ -31,10 +31,10 @@ def register_ward() -> None:
     """Make the plugin known to the current Mitsuba variant under the name ``ward``."""
     import mitsuba as mi
 
-    mi.register_bsdf("ward", _ward_class())
+    mi.register_bsdf("ward", ward_class())
 
 
-def _ward_class() -> Any:
+def ward_class() -> Any:
     # Inside a function, since mitsuba.BSDF exists only once a variant is chosen.
     import drjit as dr
     import mitsuba as mi
