@@ -13,21 +13,6 @@ CORE = ["convert", "distance", "isogloss", "match"]
 
 
 @pytest.fixture
-def gloss(capsys):
-    """Run the command in this process: give its exit code, stdout and stderr."""
-
-    def run(*words):
-        code = 0
-        try:
-            cli.main(list(words))
-        except SystemExit as stop:
-            code = stop.code
-        return code, *capsys.readouterr()
-
-    return run
-
-
-@pytest.fixture
 def commands(monkeypatch):
     """Replace the sub-commands that are installed by those of a test."""
 
@@ -94,14 +79,6 @@ def test_overview_lists_every_sub_command(gloss, commands, words):
     assert err == ""
     assert all(name in out for name in CORE)
     assert "gloss convert --rho-d .193" in out
-
-
-def test_overview_says_what_a_missing_extra_brings(gloss, commands):
-    commands(convert="glossspace.commands:convert", render="gloss_stimuli_absent_:render", session="absent_xyz:session")
-    with pytest.raises(ModuleNotFoundError, match="gloss_stimuli_absent_"):
-        cli.make_app([])  # a fault of the installation, not an extra
-    commands(convert="glossspace.commands:convert")
-    assert gloss()[0] == 0
 
 
 def test_version_needs_no_sub_command(gloss, commands):

@@ -5,25 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from glossspace import cli
 from glossspace.metric import GlossSpace
 
 GRAY = ".193,.066,.07"
-
-
-@pytest.fixture
-def gloss(capsys):
-    """Run the command in this process: give its exit code, stdout and stderr."""
-
-    def run(*words):
-        code = 0
-        try:
-            cli.main(list(words))
-        except SystemExit as stop:
-            code = stop.code
-        return code, *capsys.readouterr()
-
-    return run
 
 
 @pytest.fixture

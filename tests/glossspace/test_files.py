@@ -45,6 +45,12 @@ class TestWholeFile:
         write_text(tmp_path / "a.txt", "new")
         assert (tmp_path / "a.txt").read_text() == "new"
 
+    def test_content_is_on_the_disk_before_the_name(self, tmp_path, monkeypatch):
+        named_at_flush = []
+        monkeypatch.setattr(os, "fsync", lambda _: named_at_flush.append((tmp_path / "a.txt").exists()))
+        write_text(tmp_path / "a.txt", "x")
+        assert named_at_flush == [False]
+
     def test_missing_folders_are_made(self, tmp_path):
         write_text(tmp_path / "b" / "c" / "a.txt", "x")
         assert (tmp_path / "b" / "c" / "a.txt").read_text() == "x"

@@ -66,6 +66,12 @@ def test_a_paint_without_gloss_keeps_its_twelve_and_six_o_clock(rho_d):
     assert contour.rho_s[[1, 3]].tolist() == [0, 0]
 
 
+def test_a_perfect_mirror_is_no_paint():
+    contour = isogloss_contour(Paint(0.0, 0.5, 0.5), radius=0.5, n=4, space=GlossSpace(weight_d=1.0))
+    assert contour.d[1] == 1  # alpha = 0: Ward's lobe has no width
+    assert not contour.reachable[1]
+
+
 def test_roughness_beyond_the_paper_is_flagged():
     contour = isogloss_contour(Paint(0.193, 0.066, 0.19), radius=0.04, n=4)
     assert contour.within_paper_range.tolist() == [True, True, True, False]
