@@ -14,7 +14,7 @@ from scipy.stats import t as student_t
 
 from gloss_analysis.disparities import Level, Ties
 from gloss_analysis.dissimilarity import Dissimilarities
-from gloss_analysis.judgeability import check_scalable, data_warnings
+from gloss_analysis.judgeability import check_scalable, data_warnings, informs
 from gloss_analysis.objective import Problem, make_problem, source_distances, stress_of_sources
 from glossspace.errors import GlossError
 
@@ -121,13 +121,13 @@ def confirm_axes(
     flat = [name for name, s in zip(axes, spread, strict=True) if s == 0]
     if flat:
         raise GlossError(f"All stimuli have the same coordinate on the axis {flat[0]!r}: its weight cannot be known.")
-    check_scalable(data)
+    check_scalable(data, level=level, ties=ties)
 
-    remarks = list(data_warnings(data))
+    remarks = list(data_warnings(data, level=level, ties=ties))
     participants, individual = [], []
     for name, row in zip(data.participants, data.values, strict=True):
-        if len(np.unique(row[~np.isnan(row)])) < 2:
-            continue  # a constant participant orders no pairs; data_warnings says so
+        if not informs(row, level=level, ties=ties):
+            continue  # data_warnings names this participant
         one = make_problem(Dissimilarities(data.stimuli, (name,), row[np.newaxis]), level=level, ties=ties)
         participants.append(name)
         individual.append(_fit_weights(one, coordinates, spread))

@@ -4,17 +4,18 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from gloss_analysis.disparities import Level, Ties
 from gloss_analysis.dissimilarity import Dissimilarities
 from gloss_analysis.objective import Problem
 from glossspace.errors import GlossError
 
-__all__ = ["check_scalable", "data_warnings", "solution_warnings"]
+__all__ = ["check_scalable", "data_warnings", "informs", "solution_warnings"]
 
 _ALMOST_NO_STRESS = 1e-3
 _FEW_CLUSTERS = 3
 
 
-def check_scalable(data: Dissimilarities) -> None:
+def check_scalable(data: Dissimilarities, *, level: Level, ties: Ties) -> None:
     """Refuse data that cannot determine one configuration.
 
     Raises
@@ -25,7 +26,7 @@ def check_scalable(data: Dissimilarities) -> None:
     judged = ~np.isnan(data.values)
     if not judged.any():
         raise GlossError("No pair was judged. Scaling needs dissimilarities.")
-    if all(_is_constant(row) for row in data.values):
+    if not any(informs(row, level=level, ties=ties) for row in data.values):
         raise GlossError("Every participant gave all pairs the same dissimilarity: there is no structure to scale.")
     first, second = data.pairs
     linked = judged.any(axis=0)
@@ -40,12 +41,27 @@ def check_scalable(data: Dissimilarities) -> None:
         )
 
 
-def data_warnings(data: Dissimilarities) -> tuple[str, ...]:
-    """Remarks on the data: constant participants, pairs that nobody judged."""
+def informs(values: np.ndarray, *, level: Level, ties: Ties) -> bool:
+    """Whether one participant's dissimilarities say anything about distances.
+
+    Equal values do, unless ties may be untied: then any configuration fits them. Zeros alone never do.
+    """
+    judged = values[~np.isnan(values)]
+    if not judged.any():
+        return False
+    return np.ptp(judged) > 0 or not (level == "ordinal" and ties == "primary")
+
+
+def data_warnings(data: Dissimilarities, *, level: Level, ties: Ties) -> tuple[str, ...]:
+    """Remarks on the data: participants who add nothing, pairs that nobody judged."""
     remarks = []
-    constant = [name for name, row in zip(data.participants, data.values, strict=True) if _is_constant(row)]
+    constant = [
+        name
+        for name, row in zip(data.participants, data.values, strict=True)
+        if not informs(row, level=level, ties=ties)
+    ]
     if constant:
-        remarks.append(f"Participants who gave all pairs the same value add nothing: {_short(constant)}.")
+        remarks.append(f"These participants distinguished no pairs and add nothing: {_short(constant)}.")
     unjudged = int(np.isnan(data.values).all(axis=0).sum())
     if unjudged:
         remarks.append(
@@ -78,11 +94,6 @@ def solution_warnings(problem: Problem, distances: np.ndarray, stress1: float) -
                 "Use secondary ties, or finer judgements."
             )
     return tuple(remarks)
-
-
-def _is_constant(values: np.ndarray) -> bool:
-    judged = values[~np.isnan(values)]
-    return judged.size == 0 or np.ptp(judged) == 0
 
 
 def _short(names: list[str]) -> str:

@@ -7,11 +7,12 @@ weights (INDSCAL), with SciPy's L-BFGS from many starts in two stages: short run
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from joblib import Parallel, delayed
 from scipy.optimize import minimize
+from threadpoolctl import threadpool_limits
 
 from gloss_analysis.disparities import Level, Ties
 from gloss_analysis.dissimilarity import Dissimilarities
@@ -150,7 +151,7 @@ def scale(
         raise GlossError(f"Invalid number of dimensions = {n_dims}. Allowed: 1 to {n - 1} for {n} stimuli.")
     if n_starts < 1:
         raise GlossError(f"Invalid number of starts = {n_starts}. Allowed: 1 or more.")
-    check_scalable(data)
+    check_scalable(data, level=level, ties=ties)
     problem = make_problem(data, level=level, ties=ties)
     weighted = model == "weighted"
 
@@ -182,7 +183,7 @@ def scale(
         best_hits=sum(run.value <= winner.value + _SAME_STRESS for run in polished),
         start_stress1=np.sqrt([max(run.value, 0.0) for run in polished]),
         converged=winner.converged,
-        warnings=data_warnings(data) + solution_warnings(problem, distances, stress1),
+        warnings=data_warnings(data, level=level, ties=ties) + solution_warnings(problem, distances, stress1),
     )
 
 
@@ -224,10 +225,16 @@ def _run_all(
     n_jobs: int,
 ) -> list[_Run]:
     jobs = (
-        delayed(_minimise)(problem, start, start_weights, weighted, steps)
+        delayed(_minimise_on_one_thread)(problem, start, start_weights, weighted, steps)
         for start, start_weights in zip(configurations, weights, strict=True)
     )
     return list(Parallel(n_jobs=n_jobs)(jobs))
+
+
+def _minimise_on_one_thread(*arguments: Any) -> _Run:
+    # BLAS adds in another order on other numbers of threads, and matrices of this size gain nothing from several.
+    with threadpool_limits(limits=1):
+        return _minimise(*arguments)
 
 
 def _minimise(
