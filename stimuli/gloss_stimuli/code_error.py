@@ -55,13 +55,15 @@ def code_error(
     from scipy.optimize import brentq
     from scipy.special import erf
 
-    spread = np.sqrt(np.maximum(uniform_filter(variance, 3, mode="nearest"), 0.0))
+    spread = np.sqrt(variance)
 
     def codes(value: NDArray[np.float64]) -> NDArray[np.float64]:
         return display.exact_codes(display.white_cd_m2 * tone(np.maximum(value, 0.0)))
 
     # A secant over one standard deviation each side, since the curve is steep near black.
     sigma = (codes(luminance + spread) - codes(luminance - spread)) / 2
+    # Shared among neighbours in code values: in luminance a bright check would lend its scatter to the dark one beside it.
+    sigma = np.sqrt(np.maximum(uniform_filter(sigma**2, 3, mode="nearest"), 0.0))
     ordered = np.sort(sigma, axis=None)
     edges = np.linspace(0, ordered.size, min(QUANTILES, ordered.size) + 1).astype(int)
     # The mean of each equal share, at least 1e-9 codes so that a noiseless image divides by something.

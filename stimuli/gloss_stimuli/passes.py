@@ -131,7 +131,8 @@ class PassPlan:
         exponents = self._exponents(alpha)
         terms = min(len(exponents), COVARIANCE_TERMS)
         try:
-            with np.load(self._path(alpha), allow_pickle=False) as stored:
+            # Opened here: numpy leaves a damaged file open.
+            with self._path(alpha).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
                 mean, covariance = stored["mean"], stored["covariance"]
         except (OSError, KeyError, ValueError, zipfile.BadZipFile):
             return None  # absent or damaged: it is made again
