@@ -4,9 +4,9 @@
 
 For a few stimuli each method renders independent repetitions, doubling its samples until its budget is spent. The error
 is the root mean square over the pixels of the standard error, in 8-bit code values and before rounding. Errors fall as
-one over the root of time, so "CPU-s to half a code" extrapolates from the longest run, and the ratios hold for equal
-error. The coefficient tracer is charged for one diffuse and one specular pass for each image ("one image"), and for what
-Experiment 1 costs it: 27 images from one diffuse and three specular passes ("27 images").
+one over the root of time, so "CPU-s to 0.5 codes" extrapolates from the longest run, and the ratios hold for equal
+error. The coefficient tracer is charged for a diffuse and a specular pass of its own ("one image"), and for what an
+image of Experiment 1 costs it, where 27 share one diffuse and three specular passes ("one of 27").
 """
 
 import argparse
@@ -39,7 +39,7 @@ def main() -> None:
     register_ward()
     scene = read_scene()
     table = Table(title=f"Time to a mean error of {TARGET} code values, {options.size} x {options.size} pixels")
-    for heading in ("paint", "method", "samples", "CPU-s", "error (codes)", "CPU-s to half a code", "stock / this"):
+    for heading in ("paint", "method", "samples", "CPU-s", "error (codes)", "CPU-s to 0.5 codes", "stock / this"):
         table.add_column(heading, justify="left" if heading in ("paint", "method") else "right")
     for label, paint in PAINTS.items():
         stock = measure(scene, stock_renderer(scene, paint, options.size), options.budget_s)
@@ -50,11 +50,9 @@ def main() -> None:
         needed = [seconds * (error / TARGET) ** 2 for _, seconds, error in (stock, own)]
         row(table, label, "stock path", stock, needed[0], 1.0)
         row(table, "", "coefficients, one image", own, needed[1], needed[0] / needed[1])
-        row(
-            table, "", "coefficients, of 27 images", own, needed[1] * shared_cost, needed[0] / (needed[1] * shared_cost)
-        )
+        row(table, "", "coefficients, one of 27", own, needed[1] * shared_cost, needed[0] / (needed[1] * shared_cost))
         table.add_section()
-    Console(width=110).print(table)
+    Console(width=120).print(table)
 
 
 def row(table: Table, paint: str, method: str, run: tuple[int, float, float], needed: float, ratio: float) -> None:

@@ -62,7 +62,7 @@ def code_error(
 
     # A secant over one standard deviation each side, since the curve is steep near black.
     sigma = (codes(luminance + spread) - codes(luminance - spread)) / 2
-    # Shared among neighbours in code values: in luminance a bright check would lend its scatter to the dark one beside it.
+    # Shared with neighbours in code values: in luminance a bright check would lend its scatter to the dark one beside.
     sigma = np.sqrt(np.maximum(uniform_filter(sigma**2, 3, mode="nearest"), 0.0))
     ordered = np.sort(sigma, axis=None)
     edges = np.linspace(0, ordered.size, min(QUANTILES, ordered.size) + 1).astype(int)

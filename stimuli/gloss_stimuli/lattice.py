@@ -12,9 +12,9 @@ __all__ = ["lattice_generator"]
 def lattice_generator(count: int, dimensions: int, decay: float = 0.8) -> tuple[int, ...]:
     """Generating vector z of a lattice: point n is the fractional part of n z / count.
 
-    Components are odd, so that no coordinate repeats a value. Each minimises the worst-case error of Korobov's space of smoothness 2 given the components before it
-    (component by component: Sloan & Reztsov 2002), with product weights ``decay**k`` since a path's first decisions
-    matter most.
+    Components are odd, so that no coordinate repeats a value. Each minimises the worst-case error of Korobov's space of
+    smoothness 2 given those before it (component by component: Sloan & Reztsov 2002), with product weights ``decay**k``
+    since a path's first decisions matter most.
 
     Parameters
     ----------

@@ -4,6 +4,7 @@ Dr.Jit compiles its kernels with the system's LLVM library. Versions below 19 lo
 first minimum ("Cannot select: fmaximum"), which nothing can catch. So a library is tried in a process of its own first.
 """
 
+import importlib.util
 import os
 import re
 import subprocess
@@ -57,15 +58,17 @@ def use_llvm() -> None:
     GlossError
         Mitsuba is not installed, or no usable LLVM was found.
     """
-    try:
-        import mitsuba as mi
-    except ImportError:
-        raise GlossError("Rendering needs Mitsuba. Install it with `pip install 'glossspace[stimuli]'`.") from None
-    if mi.variant() == VARIANT:
+    if importlib.util.find_spec("mitsuba") is None:
+        raise GlossError("Rendering needs Mitsuba. Install it with `pip install 'glossspace[stimuli]'`.")
+    loaded = sys.modules.get("mitsuba")
+    if loaded is not None and loaded.variant() == VARIANT:
         return
+    # Found before Mitsuba is imported here, so that nothing has looked for a library yet.
     library = find_llvm()
     if library:
         os.environ[LLVM_VARIABLE] = library
+    import mitsuba as mi
+
     mi.set_variant(VARIANT)
 
 

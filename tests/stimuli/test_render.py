@@ -155,8 +155,8 @@ def test_the_error_estimate_is_true(tmp_path: Path, few_paints: Path) -> None:
         a, b = (display.exact_codes(108 * tone(read_luminance(s.luminance_path(stimulus.name)))) for s in (one, two))
         difference = np.abs(a - b) / np.sqrt(2)
         estimate = entry["error_estimate"]
-        # 8 randomisations know a variance to 50 % a pixel, 4096 pixels in 3 × 3 groups to a few per cent; the normal law
-        # is rough for path tracing's heavy tails, which matter most in the rare percentiles.
+        # 8 randomisations know a variance to 50 % a pixel, all pixels together to a few per cent; the normal law is
+        # rough for path tracing's heavy tails, which matter most in the rare percentiles.
         assert np.percentile(difference, 50) == pytest.approx(estimate["median"], rel=0.3)
         assert np.percentile(difference, 99) == pytest.approx(estimate["percentile_99"], rel=0.5)
 

@@ -92,9 +92,9 @@ def test_sample_weight_is_value_over_density(rho_d: float, rho_s: float) -> None
     ],
 )
 def test_impossible_parameters_are_refused(parameters: dict, message: str) -> None:
-    from gloss_stimuli.ward_bsdf import ward_class
-
     import mitsuba as mi
+
+    from gloss_stimuli.ward_bsdf import ward_class
 
     properties = mi.Properties("ward")
     for name, value in parameters.items():
