@@ -17,6 +17,7 @@ from glossspace.dataset import (
     data_path,
     read_simulated_observers,
     record_simulated_observer,
+    record_stimuli,
     update_description,
     write_session_data,
 )
@@ -248,6 +249,7 @@ def _run(
         if journal.header is not None:
             journal.note("resumed", torn=journal.torn, **circumstances(plan.mode))
         else:
+            record_stimuli(plan.dataset, plan.stimulus_set)
             if plan.observer is not None:
                 # Before the header: whenever a kill comes, no simulated answer is without its name in this list.
                 record_simulated_observer(plan.dataset, plan.participant, plan.observer.parameters())

@@ -4,6 +4,7 @@ Layout of a dataset folder::
 
     dataset_description.json                                        schema.org JSON-LD: what each column means
     data/subject-01/subject-01_session-1_task-pairwise_data.csv     one file a participant, session and task
+    stimuli.csv                                                     what the stimuli shown were
     simulated_observers.json                                        the true parameters of simulated participants
     journals/                                                       raw, append-only records of the sessions
 
@@ -13,8 +14,9 @@ The readers check the whole dataset before they return a row of it, so an analys
 from glossspace.dataset.description import update_description
 from glossspace.dataset.lock import locked
 from glossspace.dataset.observers import read_simulated_observers, record_simulated_observer
-from glossspace.dataset.read import read_dissimilarities, read_magnitudes
+from glossspace.dataset.read import read_dissimilarities, read_magnitudes, tasks_of
 from glossspace.dataset.schema import data_path
+from glossspace.dataset.stimuli import read_stimuli, record_stimuli
 from glossspace.dataset.validate import dataset_problems, validate_dataset
 from glossspace.dataset.write import write_session_data
 
@@ -25,7 +27,10 @@ __all__ = [
     "read_dissimilarities",
     "read_magnitudes",
     "read_simulated_observers",
+    "read_stimuli",
     "record_simulated_observer",
+    "record_stimuli",
+    "tasks_of",
     "update_description",
     "validate_dataset",
     "write_session_data",

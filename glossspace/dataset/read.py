@@ -4,10 +4,11 @@ from pathlib import Path
 
 import pandas as pd
 
+from glossspace.dataset.schema import TaskKind
 from glossspace.dataset.validate import checked_tables
 from glossspace.errors import GlossError
 
-__all__ = ["read_dissimilarities", "read_magnitudes"]
+__all__ = ["read_dissimilarities", "read_magnitudes", "tasks_of"]
 
 
 def read_dissimilarities(folder: str | Path) -> pd.DataFrame:
@@ -93,3 +94,20 @@ def read_magnitudes(folder: str | Path, task: str) -> pd.DataFrame:
         # Repeats of a second session count on from the first's, so that (participant, stimulus, repeat) is a key.
         table["repeat"] = table.groupby(["participant_id", "stimulus"]).cumcount() + 1
     return table[["participant_id", "stimulus", "repeat", "rating"]]
+
+
+def tasks_of(folder: str | Path) -> dict[str, TaskKind]:
+    """The tasks of a dataset, each with its kind: ``"pairwise"`` or ``"magnitude"``.
+
+    Raises
+    ------
+    GlossError
+        The dataset is not whole.
+
+    Examples
+    --------
+    >>> tasks_of("study")  # doctest: +SKIP
+    {'contrast': 'magnitude', 'doi': 'magnitude', 'pairwise': 'pairwise'}
+    """
+    kinds = {row["task"]: kind for table, kind in checked_tables(folder) for _, row in table.rows}
+    return dict(sorted(kinds.items()))

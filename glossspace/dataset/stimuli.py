@@ -59,7 +59,8 @@ def read_stimuli(folder: str | Path) -> pd.DataFrame:
     """
     path = Path(folder) / STIMULI_FILE
     try:
-        table = pd.read_csv(path, dtype={"stimulus": str})
+        # As text: pandas' quick parser may miss a number's last bit, and the same stimulus would look like another.
+        table = pd.read_csv(path, dtype=str)
     except FileNotFoundError:
         raise GlossError(
             f"The dataset '{folder}' has no {STIMULI_FILE}, so the parameters of its stimuli are not known. "

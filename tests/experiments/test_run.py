@@ -11,6 +11,7 @@ from glossspace.dataset import (
     read_dissimilarities,
     read_magnitudes,
     read_simulated_observers,
+    read_stimuli,
     validate_dataset,
 )
 from glossspace.errors import GlossError
@@ -56,6 +57,8 @@ def test_experiment_1_and_2_make_a_whole_dataset(experiment1, tmp_path):
     truth = read_simulated_observers(tmp_path).set_index("participant_id")
     for participant, observer in zip(("01", "02"), observers, strict=True):
         assert truth.loc[participant].to_dict() == observer.parameters()
+    stimuli = read_stimulus_set(experiment1).table()[["stimulus", "rho_d", "rho_s", "alpha"]]
+    assert read_stimuli(tmp_path).equals(stimuli), "the dataset can be analysed without its images"
     description = (tmp_path / "dataset_description.json").read_text(encoding="utf-8")
     assert "Simulated observers (answers computed by a program, no person took part)" in description
 
@@ -160,6 +163,18 @@ def test_changed_images_are_refused(experiment1, small_set, tmp_path):
     run_session("doi", stimuli=experiment1, dataset=tmp_path, participant="01")
     with pytest.raises(GlossError, match=r"stimuli_sha256 .* the images were changed"):
         run_session("doi", stimuli=small_set, dataset=tmp_path, participant="01")
+
+
+def test_a_stimulus_cannot_change_within_a_dataset(experiment1, small_set, tmp_path):
+    run_session("doi", stimuli=small_set, dataset=tmp_path, participant="01")
+    assert len(read_stimuli(tmp_path)) == 3
+    run_session("doi", stimuli=experiment1, dataset=tmp_path, participant="02")
+    assert len(read_stimuli(tmp_path)) == 27, "a further set adds its stimuli"
+    file = tmp_path / "stimuli.csv"
+    file.write_text(file.read_text(encoding="utf-8").replace("a0.04,0.03,0.033,0.04", "a0.04,0.03,0.033,0.05"))
+    with pytest.raises(GlossError, match=r"The stimulus 'd0.03_s0.033_a0.04' has alpha 0.04 in .* but 0.05 in"):
+        run_session("doi", stimuli=experiment1, dataset=tmp_path, participant="03")
+    assert not list(tmp_path.rglob("subject-03*")), "nothing is written half"
 
 
 def test_a_person_and_a_program_never_share_a_name(experiment1, tmp_path):

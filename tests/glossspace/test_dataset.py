@@ -13,6 +13,7 @@ from glossspace.dataset import (
     read_magnitudes,
     read_simulated_observers,
     record_simulated_observer,
+    tasks_of,
     update_description,
     validate_dataset,
     write_session_data,
@@ -146,6 +147,10 @@ def test_magnitudes(study):
 def test_an_unknown_task_lists_the_known_ones(study):
     with pytest.raises(GlossError, match="no rating of the task 'contrast'; its magnitude tasks are: doi"):
         read_magnitudes(study, "contrast")
+
+
+def test_the_tasks_and_their_kinds(study):
+    assert tasks_of(study) == {"doi": "magnitude", "pairwise": "pairwise"}
 
 
 def test_a_dataset_without_pairs(tmp_path):
