@@ -67,6 +67,15 @@ class Journal:
     _stream: FileIO = field(init=False, repr=False)
 
     def __enter__(self) -> "Journal":
+        try:
+            return self._opened()
+        except OSError as error:
+            raise GlossError(
+                f"Cannot open the journal '{self.path}': {error.strerror or error}. Give a dataset folder that can be "
+                "written to."
+            ) from None
+
+    def _opened(self) -> "Journal":
         self._made_folders = [folder for folder in self.path.parents[:2] if not folder.exists()]
         self.path.parent.mkdir(parents=True, exist_ok=True)
         new = not self.path.exists()

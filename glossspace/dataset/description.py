@@ -28,7 +28,9 @@ def update_description(folder: str | Path) -> Path:
     path = folder / DESCRIPTION_FILE
     with locked(folder / ".dataset.lock"):
         known = read_json(path, what="dataset description") if path.exists() else {}
-        write_json(path, _description(folder, known))
+        described = _description(folder, known)
+        if described != known:
+            write_json(path, described)
     return path
 
 
@@ -69,5 +71,6 @@ def _observers_in_words(observers: dict[str, set[str]]) -> str:
 
 
 def _variables(columns: list[str], known: Any) -> list[Any]:
-    by_hand = {item["name"]: item for item in known or [] if isinstance(item, dict) and "name" in item}
+    listed = known if isinstance(known, list) else []
+    by_hand = {item["name"]: item for item in listed if isinstance(item, dict) and "name" in item}
     return [by_hand.get(name, property_value(name)) for name in columns]

@@ -216,6 +216,12 @@ def test_a_dataset_that_is_a_file(experiment1, tmp_path):
         run_session("doi", stimuli=experiment1, dataset=tmp_path / "a", participant="01")
 
 
+def test_a_dataset_that_cannot_be_written(experiment1, tmp_path):
+    (tmp_path / "a").write_text("a note")
+    with pytest.raises(GlossError, match=r"Cannot open the journal .*: Not a directory. Give a dataset folder"):
+        run_session("doi", stimuli=experiment1, dataset=tmp_path / "a" / "b", participant="01")
+
+
 def gloss(*words, **environment):
     command = [sys.executable, "-c", "from glossspace.cli import main; main()", "session", *map(str, words)]
     return subprocess.run(command, capture_output=True, text=True, check=False, **environment)

@@ -1,16 +1,19 @@
 """The real window on a virtual display: what it shows is read back, and a real pointer answers in it."""
 
 import json
+import re
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from gloss_experiments import read_protocol, run_session
 from gloss_experiments.layout import arrange, checked_angle_deg, visual_angle_deg
 from gloss_experiments.pointer import ScriptedPointer, slider_x
+from gloss_experiments.screen import open_screen
 from glossspace.errors import GlossError
 
 PROGRAM = Path(__file__).parent / "window_program.py"
@@ -56,6 +59,29 @@ def test_a_real_pointer_and_keys(small_set, tmp_path):
     assert [line["rating"] for line in lines[1:]] == [30, 75], "what was judged is kept, the rest is not"
     assert all(0 < line["response_time_s"] < 60 for line in lines[1:])
     assert not (tmp_path / "data").exists()
+
+
+def test_without_psychopy_one_line_says_what_to_install(small_set, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "psychopy", None)
+    monkeypatch.setenv("DISPLAY", ":99")
+    with pytest.raises(GlossError, match=re.escape("pip install 'glossspace[experiments]'")):
+        run_session("doi", stimuli=small_set, dataset=tmp_path / "a", participant="01", mode="simulate")
+    assert not (tmp_path / "a").exists()
+
+
+@pytest.mark.parametrize(
+    ("sizes", "mode", "message"),
+    [
+        ((64, 64), "I;16", "has mode 'I;16'; give an 8-bit PNG"),
+        ((64, 32), "L", "must have one size, but there are 64 x 64 in .*, 32 x 32 in"),
+    ],
+)
+def test_images_that_would_not_be_shown_exactly_are_refused(tmp_path, sizes, mode, message):
+    images = {str(i): tmp_path / f"{i}.png" for i in range(2)}
+    for path, size in zip(images.values(), sizes, strict=True):
+        Image.new(mode, (size, size)).save(path)
+    with pytest.raises(GlossError, match=message), open_screen(DOI, images):
+        pass
 
 
 def test_the_visual_angle_of_the_paper():
