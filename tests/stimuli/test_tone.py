@@ -17,7 +17,7 @@ def curves(draw: st.DrawFn) -> tuple[ToneCurve, dict[str, float]]:
         "minimum": adapting * draw(st.one_of(st.just(0.0), st.floats(1e-4, 1e-2))),
         "maximum": adapting * draw(st.floats(5, 1000)),
         "slope": draw(st.floats(0.8, 1.5)),
-        "contrast": draw(st.floats(30, 160)),
+        "contrast": draw(st.floats(30, 140)),
     }
     return solve_tone_curve(**wanted), wanted
 
