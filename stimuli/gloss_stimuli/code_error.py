@@ -42,7 +42,8 @@ def code_error(
     """Error estimate of an image.
 
     Each pixel's error is taken as normal with the variance of its 3 × 3 neighbourhood: a handful of randomisations
-    know a single pixel's variance badly, and it changes slowly.
+    know a single pixel's variance badly, and it changes slowly. Path tracing has heavier tails than the normal law:
+    between renderings with other seeds the median and 99 % agree with the estimate, 99.9 % lies about a tenth above it.
 
     Parameters
     ----------

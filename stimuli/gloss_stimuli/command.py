@@ -23,17 +23,16 @@ def render(
 ) -> None:
     """Render a stimulus set: one painted sphere a stimulus, in a checkerboard box under an area light.
 
-    Writes 8-bit PNG for the screen, linear OpenEXR in cd/m², a composite picture and manifest.json with everything that
-    is needed to reproduce them, the error that was reached and the hash of every file. Interrupted or repeated, it
-    makes only what is missing.
+    Writes 8-bit PNG for the screen, linear OpenEXR in cd/m², a composite, and manifest.json: all that is needed to
+    reproduce them, the error reached, the hash of every file. Interrupted or repeated, it makes only what is missing.
 
-    Examples
-    --------
-    gloss render --set experiment1 --out stimuli/experiment1
+    Examples:
 
-    gloss render --set doi --size 768 --quality exact --seed 7 --out stimuli/doi
+        gloss render --set experiment1 --out stimuli/experiment1
 
-    gloss render --set my-paints.csv --scene my-box.toml --out stimuli/mine --json
+        gloss render --set doi --size 768 --quality exact --seed 7 --out stimuli/doi
+
+        gloss render --set my-paints.csv --scene my-box.toml --out stimuli/mine --json
 
     Parameters
     ----------
