@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from glossspace.console import JsonFlag, note, print_json, print_table, progress_bar
+from glossspace.console import JsonFlag, WholeNumber, note, print_json, print_table, progress_bar
 from glossspace.errors import GlossError
 
 __all__ = ["confirm", "fit", "mds", "report"]
@@ -22,9 +22,9 @@ def mds(
     model: Literal["identity", "weighted"] = "weighted",
     level: Literal["ratio", "interval", "ordinal"] = "ordinal",
     ties: Literal["primary", "secondary"] = "primary",
-    starts: int = 30,
-    seed: int = 1,
-    jobs: int = 1,
+    starts: WholeNumber = 30,
+    seed: WholeNumber = 1,
+    jobs: WholeNumber = 1,
     json: JsonFlag = False,
 ) -> None:
     """Scale judged dissimilarities: stress and configuration in one or more numbers of dimensions.
@@ -216,7 +216,9 @@ def fit(dataset: Path, *, out: Path, stimuli: Path | None = None, json: JsonFlag
         print_table(pd.DataFrame({"quantity": list(result), "value": [str(value) for value in result.values()]}))
 
 
-def report(study: Path, *, out: Path | None = None, seed: int = 1, jobs: int = 1, json: JsonFlag = False) -> None:
+def report(
+    study: Path, *, out: Path | None = None, seed: WholeNumber = 1, jobs: WholeNumber = 1, json: JsonFlag = False
+) -> None:
     """Analyse a study folder and write its report: one HTML file with the figures of the gloss paper.
 
     Examples:

@@ -60,8 +60,9 @@ def compare_with_paper(analysis: StudyAnalysis, cities: CityMap) -> list[Compari
         Comparison(
             "Axes of the two-dimensional solution (fig. 6)",
             "read along the diagonals of the picture",
-            "along the dimensions themselves",
-            "A weighted solution fixes its axes up to order and sign; the paper's picture seems to be turned.",
+            _angles(analysis),
+            "A weighted solution fixes its axes up to order and sign; the paper's picture seems to be turned. "
+            + embodied,
         ),
         Comparison(
             "c of the gray paint ρs .066 (fig. 11)",
@@ -91,6 +92,15 @@ def compare_with_paper(analysis: StudyAnalysis, cities: CityMap) -> list[Compari
             "Ratio level. The Earth is round. New York to Seattle is 2408 miles here; the paper prints 2406.",
         ),
     ]
+
+
+def _angles(analysis: StudyAnalysis) -> str:
+    reading = analysis.axes
+    parts = [
+        f"{axis} lies {reading.vectors[axis].angle_deg[dimension]:.1f}° from dimension {dimension + 1}"
+        for axis, dimension in zip(("c", "d"), reading.order, strict=True)
+    ]
+    return ", ".join(parts)
 
 
 def _r_squared(line: float, polynomials: tuple[float, ...]) -> str:

@@ -15,7 +15,7 @@ from gloss_analysis.comparison import compare_with_paper
 from gloss_analysis.examples import CityMap, ColourCircle, city_map, colour_circle
 from gloss_analysis.study import StudyAnalysis, dataset_folder, stimulus_folder
 from glossspace.files import sha256_of, write_text
-from glossspace.stimulus_set import MANIFEST_NAME
+from glossspace.stimulus_set import MANIFEST_NAME, StimulusSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,9 +47,8 @@ def write_report(analysis: StudyAnalysis, path: Path) -> None:
     The file holds no date and no machine name: the same study gives the same bytes.
     """
     cities, circle = city_map(seed=analysis.seed), colour_circle(seed=analysis.seed)
-    environment = Environment(
-        loader=PackageLoader("gloss_analysis"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
-    )
+    environment = Environment(loader=PackageLoader("gloss_analysis"), autoescape=True, undefined=StrictUndefined)
+    environment.filters["rendering_summary"] = _rendering_summary
     simulated = analysis.study.simulated
     participants = analysis.study.pairs.participants
     simulated_ids = set() if simulated is None else set(simulated["participant_id"])
@@ -186,6 +185,21 @@ def _participant_rows(analysis: StudyAnalysis) -> list[dict[str, float | str | N
         {"participant": name, "ratio": fit.ratio, "stress1": fit.stress1, "true": true.get(name)}
         for name, fit in zip(confirmatory.participants, confirmatory.individual, strict=True)
     ]
+
+
+def _rendering_summary(stimuli: StimulusSet) -> str:
+    """How a set was rendered, with the error of its worst image."""
+    manifest = stimuli.manifest
+    rendering = manifest.get("rendering", {})
+    parts = [f"{key} {rendering[key]}" for key in ("method", "quality", "seed") if key in rendering]
+    errors = [entry["error_estimate"] for entry in manifest["stimuli"] if "error_estimate" in entry]
+    if errors:
+        median = max(error["median"] for error in errors)
+        tail = max(error["percentile_99_9"] for error in errors)
+        parts.append(
+            f"error of the worst image {median:.2f} code values in the median, {tail:.2f} at 99.9 % of its pixels"
+        )
+    return "; ".join(parts)
 
 
 def _versions() -> dict[str, str]:

@@ -2,11 +2,9 @@
 
 import os
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-from cyclopts import Parameter
-
-from glossspace.console import JsonFlag, note, print_json
+from glossspace.console import JsonFlag, WholeNumber, note, print_json
 
 __all__ = ["reproduce"]
 
@@ -15,9 +13,9 @@ def reproduce(
     *,
     out: Path,
     quality: Literal["draft", "exact"] = "draft",
-    size: int = 512,
-    seed: int = 1,
-    jobs: Annotated[int, Parameter(help="Processes of the analysis; by default one a core.")] = 0,
+    size: WholeNumber = 512,
+    seed: WholeNumber = 1,
+    jobs: WholeNumber = 0,
     json: JsonFlag = False,
 ) -> None:
     """Run the gloss paper's study: stimuli, simulated observers, scaling, gloss space, report.
@@ -40,6 +38,8 @@ def reproduce(
         Width and height of the images in pixels.
     seed
         The same seed gives the same study.
+    jobs
+        Processes of the analysis, 0 for one a core; the result does not depend on it.
     """
     from gloss_pipeline.reproduce import reproduce_study
 

@@ -65,10 +65,10 @@ def draw_participant_weights(circle: ColourCircle) -> "Figure":
         rows = [circle.solution.participants.index(name) for name in names]
         weights = circle.solution.dimension_weights[rows]
         axes.plot(weights[:, across], weights[:, upright], marker, color=colour, label=label)
-        for name, weight in zip(names, weights, strict=True):
-            axes.annotate(
-                name, (weight[across], weight[upright]), xytext=(4, 3), textcoords="offset points", fontsize=7
-            )
+        if names == circle.deficient:  # the others lie too close together to be named
+            for name, weight in zip(names, weights, strict=True):
+                place = (weight[across], weight[upright])
+                axes.annotate(name, place, xytext=(6, 3), textcoords="offset points", fontsize=8)
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
     axes.legend(frameon=False, fontsize=8, loc="lower left")

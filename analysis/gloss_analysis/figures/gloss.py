@@ -1,11 +1,11 @@
 """Figures 4 and 7 to 10 of the gloss paper: the stimuli, the rated axes, the gloss space and its envelope."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
-from gloss_analysis.figures.style import BLUE, ORANGE, draw_stimuli, new_figure, tidy
+from gloss_analysis.figures.style import BLUE, ORANGE, draw_stimuli, legend_below, new_figure, tidy
 from gloss_analysis.magnitude import AxisRegression
 from glossspace.metric import GlossSpace, fixed_energy_contrast_gloss, lightness, max_contrast_gloss
 from glossspace.stimulus_set import StimulusSet
@@ -19,26 +19,28 @@ _AXIS_LABELS = {"c": "contrast gloss c", "d": "distinctness of image d = 1 − �
 
 
 def draw_composite(stimuli: StimulusSet) -> "Figure":
-    """All images of a set on one sheet (figure 4): a row for each paint's (ρs, α) in blocks by lightness.
+    """All images of a set on one sheet (figure 4): a row for each lightness, a column for each (ρs, α).
 
     The images hold code values for the calibrated display and are shown as they are.
     """
     from PIL import Image
 
     table = stimuli.table()
-    whites = sorted(table["rho_d"].unique(), reverse=True)
-    energies = sorted(table["rho_s"].unique(), reverse=True)
-    alphas = sorted(table["alpha"].unique())
-    figure = new_figure(1.15 * len(alphas) * len(whites), 1.32 * len(energies))
-    grid = figure.subplots(len(energies), len(alphas) * len(whites), squeeze=False)
+    rows = sorted(table["rho_d"].unique(), reverse=True)
+    columns = sorted(set(zip(table["rho_s"], table["alpha"], strict=True)))
+    figure = new_figure(1.3 * len(columns), 1.38 * len(rows))
+    grid = figure.subplots(len(rows), len(columns), squeeze=False)
     for axes in grid.ravel():
-        axes.set_axis_off()
+        axes.set(xticks=[], yticks=[])
+        axes.spines[:].set_visible(False)
     for stimulus in table.itertuples():
-        column = whites.index(stimulus.rho_d) * len(alphas) + alphas.index(stimulus.alpha)
-        axes = grid[energies.index(stimulus.rho_s), column]
+        axes = grid[rows.index(stimulus.rho_d), columns.index((stimulus.rho_s, stimulus.alpha))]
         with Image.open(stimuli.image_path(stimulus.stimulus)) as image:
-            axes.imshow(np.asarray(image.resize((230, 230), Image.Resampling.LANCZOS)), cmap="gray", vmin=0, vmax=255)
-        axes.set_title(f"ρd {stimulus.rho_d:g}\nρs {stimulus.rho_s:g}, α {stimulus.alpha:g}", fontsize=7)
+            axes.imshow(np.asarray(image.resize((256, 256), Image.Resampling.LANCZOS)), cmap="gray", vmin=0, vmax=255)
+    for axes, (rho_s, alpha) in zip(grid[0], columns, strict=True):
+        axes.set_title(f"ρs {rho_s:g}\nα {alpha:g}", fontsize=9)
+    for axes, rho_d in zip(grid[:, 0], rows, strict=True):
+        axes.set_ylabel(f"ρd {rho_d:g}", fontsize=9)
     return figure
 
 
@@ -56,16 +58,18 @@ def draw_ratings(rated: pd.DataFrame, axis: str, fit: AxisRegression) -> "Figure
 
 def draw_gloss_space(stimuli: pd.DataFrame, space: GlossSpace) -> "Figure":
     """Stimuli in the gloss space with lightness as third axis, and seen along it (figure 9)."""
-    figure = new_figure(8.6, 4.2)
+    figure = new_figure(10, 4.2)
     c, d = space.weight_c * stimuli["c"].to_numpy(), space.weight_d * stimuli["d"].to_numpy()
-    solid = figure.add_subplot(1, 2, 1, projection="3d")
+    grid = figure.add_gridspec(1, 2, width_ratios=[1.25, 1], wspace=0.12)
+    solid: Any = figure.add_subplot(grid[0], projection="3d")
     grey = (stimuli["lightness"].to_numpy() / 100)[:, np.newaxis].repeat(3, axis=1)
     solid.scatter(c, d, stimuli["lightness"], c=grey, edgecolors="black", s=34, depthshade=False)
     solid.set(xlabel="c", ylabel=f"{space.weight_d:.2f} d", zlabel="lightness L*")
     solid.view_init(elev=22, azim=-58)
-    flat = figure.add_subplot(1, 2, 2, xlabel="c", ylabel=f"{space.weight_d:.2f} d", aspect="equal")
+    solid.set_box_aspect(None, zoom=0.86)  # leaves room for the label of the upright axis
+    flat = figure.add_subplot(grid[1], xlabel="c", ylabel=f"{space.weight_d:.2f} d", aspect="equal")
     draw_stimuli(flat, c, d, stimuli)
-    flat.legend(frameon=False, fontsize=8)
+    legend_below(flat)
     tidy(flat)
     return figure
 

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from gloss_analysis.confirmatory import ConfirmatoryFit
-from gloss_analysis.figures.style import BLUE, ORANGE, draw_stimuli, new_figure, tidy
+from gloss_analysis.figures.style import BLUE, ORANGE, draw_stimuli, legend_below, new_figure, tidy
 from gloss_analysis.mds import MdsSolution
 from gloss_analysis.study import StudyAnalysis
 
@@ -38,7 +38,7 @@ def draw_configuration(analysis: StudyAnalysis) -> "Figure":
     """Draw the weighted two-dimensional solution, permuted and reflected towards (c, d), never turned (figure 6)."""
     reading = analysis.axes
     points = analysis.plane.coordinates[:, reading.order] * reading.sign
-    figure = new_figure(5.6, 4.6)
+    figure = new_figure(4.8, 3.3)
     axes = figure.add_subplot(xlabel="dimension matched to c", ylabel="dimension matched to d", aspect="equal")
     draw_stimuli(axes, points[:, 0], points[:, 1], _stimuli(analysis))
     reach = 0.55 * np.abs(points).max()
@@ -52,7 +52,7 @@ def draw_configuration(analysis: StudyAnalysis) -> "Figure":
             arrowprops={"arrowstyle": "->", "color": colour, "lw": 1.8},
         )
         axes.annotate(axis, tuple(corner + 1.06 * reach * direction), color=colour, ha="center", va="center")
-    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
+    legend_below(axes)
     tidy(axes)
     return figure
 
@@ -60,10 +60,10 @@ def draw_configuration(analysis: StudyAnalysis) -> "Figure":
 def draw_identity_configuration(analysis: StudyAnalysis) -> "Figure":
     """Draw the common space without weights, turned towards (c, weight * d)."""
     points = analysis.axes.identity_rotated
-    figure = new_figure(5.6, 4.6)
+    figure = new_figure(4.8, 3.3)
     axes = figure.add_subplot(xlabel="turned towards c", ylabel="turned towards d", aspect="equal")
     draw_stimuli(axes, points[:, 0], points[:, 1], _stimuli(analysis))
-    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5))
+    legend_below(axes)
     tidy(axes)
     return figure
 

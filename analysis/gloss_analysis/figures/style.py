@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["BLUE", "ORANGE", "draw_stimuli", "new_figure", "tidy"]
+__all__ = ["BLUE", "ORANGE", "draw_stimuli", "legend_below", "new_figure", "tidy"]
 
 # Okabe and Ito's colours, which people with a colour deficiency tell apart as well.
 BLUE = "#0072B2"
@@ -28,6 +28,12 @@ def new_figure(width: float = 5.2, height: float = 4.2) -> "Figure":
 def tidy(axes: "Axes") -> None:
     """Remove the box, leave the two lines that carry numbers."""
     axes.spines[["top", "right"]].set_visible(False)
+
+
+def legend_below(axes: "Axes") -> None:
+    """Place the legend under the axes, in one row, where it hides no point."""
+    _, labels = axes.get_legend_handles_labels()
+    axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=len(labels))
 
 
 def draw_stimuli(axes: "Axes", x: np.ndarray, y: np.ndarray, stimuli: pd.DataFrame, **options: Any) -> None:
