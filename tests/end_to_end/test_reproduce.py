@@ -1,0 +1,145 @@
+"""The main job: from reflectance to a report, on small images."""
+
+import base64
+import json
+import re
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gloss_pipeline.reproduce as pipeline
+from gloss_analysis.study import dataset_folder, gloss_space_file, read_study, report_file, stimulus_folder
+from glossspace.dataset import read_simulated_observers
+from glossspace.errors import GlossError
+from glossspace.metric import GlossSpace
+from glossspace.stimulus_set import read_stimulus_set
+
+SIZE = 32  # pixels: every step is the real one, only the images are small
+
+
+@pytest.fixture(scope="session")
+def made(tmp_path_factory):
+    return pipeline.reproduce_study(tmp_path_factory.mktemp("study"), size=SIZE, n_jobs=2)
+
+
+@pytest.fixture(scope="session")
+def study(made):
+    return made.report.parent
+
+
+def test_every_stimulus_and_every_session_of_the_paper_is_there(study):
+    # Sections 3.2.3 and 3.3.3 of the gloss paper: 27, 24 and 11 images; 378 pairs; each image rated three times.
+    counts = [
+        len(read_stimulus_set(stimulus_folder(study, name)).stimuli) for name in ("experiment1", "contrast", "doi")
+    ]
+    assert counts == [27, 24, 11]
+    files = sorted(dataset_folder(study).glob("data/**/*_data.csv"))
+    rows = Counter(
+        (re.search("task-(.*)_data", path.name)[1], len(path.read_text("utf-8").splitlines()) - 1) for path in files
+    )
+    assert rows == {("pairwise", 378): 9, ("contrast", 72): 9, ("doi", 33): 9}
+
+
+def test_simulated_weights_come_back(made):
+    # They embody the answer: this tests the software. In the project's own simulations ordinal fits recover a
+    # participant's ratio within about 7 %, and the mean of nine within a third of that.
+    fit = made.analysis.fit.confirmatory
+    true = read_simulated_observers(made.dataset).set_index("participant_id")["ratio"]
+    assert set(fit.participants) == set(true.index)
+    recovered = np.array([one.ratio for one in fit.individual])
+    error = np.log(recovered / true[list(fit.participants)].to_numpy())
+    assert np.abs(error).max() < 0.15
+    assert abs(error.mean()) < 0.05
+    low, high = fit.population_ci95
+    assert low < np.exp(np.log(true).mean()) < high
+
+
+def test_two_dimensions_are_found_and_stand_for_c_and_d(made):
+    stress = [solution.stress1 for solution in made.analysis.curve]
+    assert stress[0] > 2 * stress[1]
+    assert stress[1] - stress[2] < 0.1 * (stress[0] - stress[1])  # the elbow of figure 5
+    for index, axis in enumerate(("c", "d")):
+        vector = made.analysis.axes.vectors[axis]
+        assert vector.r_squared > 0.95
+        assert vector.angle_deg[made.analysis.axes.order[index]] < 10
+    cost = made.analysis.axes.rotation_stress1
+    assert np.argmin(cost) == len(cost) // 2  # no rotation fits better
+
+
+def test_ratings_rise_linearly_along_their_axes(made):
+    for fit in made.analysis.fit.regressions.values():
+        assert fit.r_squared > 0.9
+        assert fit.slope_ci95[0] > 0
+
+
+def test_the_gloss_space_can_be_used(made):
+    space = GlossSpace.load(gloss_space_file(made.report.parent))
+    assert space.weight_d == made.analysis.fit.confirmatory.population_ratio
+    assert all("(simulated)" in name for name in space.provenance["observers"])
+
+
+def test_the_report_is_one_file_with_the_papers_figures_and_says_what_is_simulated(study):
+    page = report_file(study).read_text("utf-8")
+    for number in range(2, 11):
+        assert f"Fig. {number}:" in page
+    assert not re.search(r"""(src|href)\s*=\s*["'](?!data:)""", page)  # nothing to fetch
+    images = re.findall(r'src="data:image/(png|svg\+xml);base64,([^"]+)"', page)
+    assert len(images) == page.count("<img") >= 14
+    for kind, content in images:
+        decoded = base64.b64decode(content, validate=True)
+        assert decoded.startswith(b"\x89PNG" if kind == "png" else b"<?xml")
+    assert "are programs, not people" in page
+    assert "tests the software, not the paper" in page
+    assert "Real data." in page
+
+
+def test_run_again_it_makes_nothing_anew_and_gives_the_same_report(study):
+    def state():
+        kept = ("stimuli/*/images/*", "stimuli/*/luminance/*", "dataset/data/**/*.csv", "dataset/journals/*")
+        return {path: path.stat().st_mtime_ns for pattern in kept for path in study.glob(pattern)}
+
+    before, page = state(), report_file(study).read_bytes()
+    assert len(before) == 2 * (27 + 24 + 11) + 2 * 27
+    report_file(study).unlink()
+    pipeline.reproduce_study(study, size=SIZE, n_jobs=1)
+    assert state() == before
+    assert report_file(study).read_bytes() == page  # also with another number of processes
+
+
+def test_other_settings_are_refused_in_the_same_folder(study):
+    with pytest.raises(GlossError, match=r"holds a study made with seed 1 instead of 2\. Use another --out"):
+        pipeline.reproduce_study(study, size=SIZE, seed=2)
+
+
+def test_interrupted_it_goes_on_where_it_was(study, tmp_path, monkeypatch):
+    class Stop(Exception):
+        pass
+
+    def interrupted(*arguments, **options):
+        if len(list(tmp_path.glob("dataset/data/**/*.csv"))) == 5:
+            raise Stop
+        return run_session(*arguments, **options)
+
+    run_session = pipeline.run_session
+    # The stimuli are those of the whole run: what is tested here is the sessions.
+    monkeypatch.setattr(pipeline, "render_set", lambda *_, **__: None)
+    monkeypatch.setattr(pipeline, "stimulus_folder", lambda _, name: stimulus_folder(study, name))
+    monkeypatch.setattr(pipeline, "run_session", interrupted)
+    monkeypatch.setattr(pipeline, "read_study", lambda _: (_ for _ in ()).throw(Stop))
+    with pytest.raises(Stop):
+        pipeline.reproduce_study(tmp_path, size=SIZE)
+    first = {path: path.stat().st_mtime_ns for path in tmp_path.glob("dataset/data/**/*.csv")}
+    assert len(first) == 5
+    monkeypatch.setattr(pipeline, "run_session", run_session)
+    with pytest.raises(Stop):
+        pipeline.reproduce_study(tmp_path, size=SIZE)
+    assert {path: path.stat().st_mtime_ns for path in first} == first
+    for path in dataset_folder(study).glob("data/**/*.csv"):
+        assert (tmp_path / path.relative_to(study)).read_bytes() == path.read_bytes()
+
+
+def test_the_settings_of_a_study_are_kept_with_it(study):
+    assert json.loads(Path(study / "study.json").read_text("utf-8"))["quality"] == "draft"
+    assert read_study(study).pairs.values.shape == (9, 351)
