@@ -4,8 +4,8 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-# Mitsuba compiles its kernels with the system's LLVM; versions below 19 abort the process.
-wanted="libllvm19"
+# Mitsuba compiles its kernels with the system's LLVM; versions below 19 abort the process. Dr.Jit is linked to libatomic.
+wanted="libllvm19 libatomic1"
 # The observer's window: OpenGL and X for PsychoPy, a virtual screen and a scripted pointer for its tests.
 if [ "${1:-reproduce}" = test ]; then
     wanted="$wanted libgl1 libglu1-mesa libgl1-mesa-dri libx11-6 libxext6 libxxf86vm1 libxinerama1 libxi6 libegl1
@@ -55,7 +55,7 @@ if [ ! -f "$stamp" ] || [ requirements.lock -nt "$stamp" ] || [ pyproject.toml -
     rm -f "$stamp"
     [ -x .venv/bin/python ] || "$python" -m venv --clear .venv
     # The lock file is complete and leaves out parts of PsychoPy on purpose, so nothing is resolved here.
-    .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps -r requirements.lock
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --use-pep517 -r requirements.lock
     .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
     touch "$stamp"
 fi

@@ -121,4 +121,11 @@ def _works(library: str) -> bool:
         )
     except (OSError, subprocess.TimeoutExpired):
         return False
+    # Mitsuba itself failed to load: no LLVM would help, so do not blame LLVM.
+    missing = re.search(r"ImportError: (\S+): cannot open shared object file", probe.stderr)
+    if missing:
+        raise GlossError(
+            f"Mitsuba needs the system library {missing.group(1)}, which is not installed. Install the package that "
+            "holds it (Debian: `apt-get install libatomic1` for libatomic.so.1)."
+        )
     return probe.returncode == 0 and probe.stdout.strip().endswith("usable")

@@ -66,3 +66,13 @@ def test_without_any_library_the_line_says_what_to_install(monkeypatch: pytest.M
     monkeypatch.setattr(variant, "_candidates", list)
     with pytest.raises(GlossError, match="found none.*apt-get install libllvm19"):
         variant.find_llvm.__wrapped__()
+
+
+def test_a_mitsuba_that_does_not_load_is_not_blamed_on_llvm(monkeypatch: pytest.MonkeyPatch) -> None:
+    # What a minimal Debian 12 without libatomic1 prints when drjit 1.5 is imported.
+    trace = "Traceback ...\nImportError: libatomic.so.1: cannot open shared object file: No such file or directory\n"
+    monkeypatch.setattr(
+        variant.subprocess, "run", lambda *_, **__: subprocess.CompletedProcess([], 1, stdout="", stderr=trace)
+    )
+    with pytest.raises(GlossError, match=r"needs the system library libatomic\.so\.1, which is not installed"):
+        variant._works("")
