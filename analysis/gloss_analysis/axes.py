@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import orthogonal_procrustes
-from scipy.optimize import minimize
+from scipy.optimize import linear_sum_assignment, minimize
 
 from gloss_analysis.dissimilarity import Dissimilarities
 from gloss_analysis.mds import MdsSolution
@@ -53,7 +53,7 @@ def property_vector(coordinates: np.ndarray, values: np.ndarray) -> PropertyVect
     Raises
     ------
     GlossError
-        The property is the same for all stimuli, or is not finite.
+        The property is the same for all stimuli, is not finite, or has no direction in the configuration.
 
     Examples
     --------
@@ -63,10 +63,13 @@ def property_vector(coordinates: np.ndarray, values: np.ndarray) -> PropertyVect
     array([45., 45.])
     """
     centred = np.asarray(values, dtype=float) - np.mean(values)
-    if not np.all(np.isfinite(centred)) or not np.any(centred):
+    # Differences tell, not `centred`: the mean of equal numbers may be a rounding error off.
+    if not np.all(np.isfinite(centred)) or np.ptp(values) == 0:
         raise GlossError("Property fitting needs a finite property that differs between the stimuli.")
     x = coordinates - coordinates.mean(axis=0)
     slope, *_ = np.linalg.lstsq(x, centred)
+    if np.linalg.norm(x @ slope) <= 1e-12 * np.linalg.norm(centred):  # nothing but rounding
+        raise GlossError("The property is not related to the configuration at all, so that it has no direction there.")
     residual = centred - x @ slope
     direction = slope / np.linalg.norm(slope)
     angle = np.degrees(np.arccos(np.clip(np.abs(direction), 0, 1)))
@@ -86,11 +89,17 @@ def matched_dimensions(coordinates: np.ndarray, properties: np.ndarray) -> tuple
         The dimension matched to each property; every dimension is used once.
     sign : ndarray, shape (p,)
         +1, or -1 where the dimension falls as the property rises.
-    """
-    from scipy.optimize import linear_sum_assignment
 
+    Raises
+    ------
+    GlossError
+        A property or a dimension is the same for all stimuli, or is not finite.
+    """
     p = coordinates.shape[1]
-    correlation = np.corrcoef(properties.T, coordinates.T)[:p, p:]
+    columns = np.column_stack([properties, coordinates])
+    if not np.all(np.isfinite(columns)) or np.any(np.ptp(columns, axis=0) == 0):
+        raise GlossError("Matching needs finite properties and dimensions that differ between the stimuli.")
+    correlation = np.corrcoef(columns.T)[:p, p:]
     _, order = linear_sum_assignment(-np.abs(correlation))
     return order, np.where(correlation[np.arange(p), order] < 0, -1.0, 1.0)
 

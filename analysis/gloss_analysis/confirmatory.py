@@ -10,12 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize, minimize_scalar
+from scipy.stats import qmc
 from scipy.stats import t as student_t
 
 from gloss_analysis.disparities import Level, Ties
 from gloss_analysis.dissimilarity import Dissimilarities
-from gloss_analysis.judgeability import check_scalable, data_warnings, informs
-from gloss_analysis.objective import Problem, make_problem, source_distances, stress_of_sources
+from gloss_analysis.judgeability import all_flat, check_scalable, data_warnings, distinguishes
+from gloss_analysis.objective import Problem, make_problem, mean_square_stress, source_distances
 from glossspace.errors import GlossError
 
 __all__ = ["AxisWeights", "ConfirmatoryFit", "confirm_axes"]
@@ -23,6 +24,10 @@ __all__ = ["AxisWeights", "ConfirmatoryFit", "confirm_axes"]
 # Axis ratios from 1/100 to 100, relative to axes of equal spread: beyond, one axis contributes nothing visible.
 _LOG_RANGE = np.log(100.0)
 _COARSE, _FINE = 81, 41
+# With three axes or more: points at which the search looks first, and how many of these it starts from.
+_LOOKED_AT, _STARTED_FROM = 64, 4
+# Stress-1 squared that rounding cannot tell apart.
+_SAME_LOSS = 1e-14
 
 
 @dataclass(frozen=True)
@@ -55,9 +60,9 @@ class ConfirmatoryFit:
     ----------
     axes, participants : tuple of str
     individual : tuple of AxisWeights
-        One a participant who could be fitted; `participants` names them.
+        One a participant who could be fitted; `participants` names them, and `warnings` the others.
     population_ratio : float
-        Geometric mean of the participants' ratios.
+        Geometric mean of the participants' ratios, those at the limit of the search included.
     population_ci95 : tuple of float, or None
         95 % t interval of it, on the logarithms; None with fewer than two participants.
     shared : AxisWeights
@@ -103,12 +108,14 @@ def confirm_axes(
     Raises
     ------
     GlossError
-        Coordinates do not fit the data, are not finite, or an axis is the same for all stimuli.
+        Coordinates do not fit the data, are not finite, or an axis is the same for all stimuli; or no participant's
+        judgements can be fitted.
 
     Notes
     -----
     With two axes the weights have one free number, the ratio; it is found on a grid over four decades, then refined.
-    With more, by Nelder and Mead's search on log weights from axes of equal spread.
+    Where order alone leaves a range of ratios equally good, its middle is taken. With more axes, by Nelder and Mead's
+    search on log weights from the best of many points in that range.
     """
     coordinates = np.asarray(coordinates, dtype=float)
     if coordinates.shape != (len(data.stimuli), len(axes)):
@@ -117,23 +124,45 @@ def confirm_axes(
         )
     if not np.all(np.isfinite(coordinates)):
         raise GlossError("Coordinates must be finite numbers.")
-    spread = coordinates.std(axis=0)
-    flat = [name for name, s in zip(axes, spread, strict=True) if s == 0]
+    # Not by the standard deviation: that of equal numbers may be a rounding error above 0.
+    flat = [name for name, extent in zip(axes, np.ptp(coordinates, axis=0), strict=True) if extent == 0]
     if flat:
         raise GlossError(f"All stimuli have the same coordinate on the axis {flat[0]!r}: its weight cannot be known.")
     check_scalable(data, level=level, ties=ties)
+    spread = coordinates.std(axis=0)
 
     remarks = list(data_warnings(data, level=level, ties=ties))
-    participants, individual = [], []
+    participants, individual, unseen, unrelated = [], [], [], []
+    first, second = data.pairs
+    apart = coordinates[first] != coordinates[second]
     for name, row in zip(data.participants, data.values, strict=True):
-        if not informs(row, level=level, ties=ties):
+        if not distinguishes(row):
             continue  # data_warnings names this participant
+        if not apart[~np.isnan(row)].any(axis=0).all():
+            unseen.append(name)
+            continue
         one = make_problem(Dissimilarities(data.stimuli, (name,), row[np.newaxis]), level=level, ties=ties)
         participants.append(name)
         individual.append(_fit_weights(one, coordinates, spread))
+        if all_flat(one, source_distances(one, coordinates, individual[-1].weights[np.newaxis])):
+            unrelated.append(name)
+    if unseen:
+        remarks.append(
+            f"Judged no pair that differs along some axis, so that its weight is not known: {_list(unseen)}."
+        )
+    if unrelated:
+        remarks.append(
+            "Judgements do not rise with the distances that the axes make, so that the ratio tells nothing, for: "
+            f"{_list(unrelated)}. Was the scale reversed?"
+        )
+    if not individual:
+        raise GlossError(" ".join(["No participant's axis weights can be fitted.", *remarks]))
     bound = [name for name, fit in zip(participants, individual, strict=True) if fit.at_bound]
     if bound:
-        remarks.append(f"Judgements follow one axis alone, so that the ratio is only a limit, for: {', '.join(bound)}.")
+        remarks.append(
+            f"Judgements follow one axis alone, so that the ratio is only a limit, for: {_list(bound)}. The "
+            "population's ratio and interval move with that limit; leave these participants out to see how far."
+        )
 
     logs = np.log([fit.ratio for fit in individual])
     shared = _fit_weights(make_problem(data, level=level, ties=ties), coordinates, spread)
@@ -148,6 +177,10 @@ def confirm_axes(
     )
 
 
+def _list(names: list[str]) -> str:
+    return ", ".join(names)
+
+
 def _t_interval(logs: np.ndarray) -> tuple[float, float] | None:
     if len(logs) < 2:
         return None
@@ -159,27 +192,22 @@ def _fit_weights(problem: Problem, coordinates: np.ndarray, spread: np.ndarray) 
     n_axes = coordinates.shape[1]
     equal_spread = np.log(spread[0] / spread)  # log weights, the first 0
 
-    def mean_square(log_weights: np.ndarray) -> float:
+    def loss(log_weights: np.ndarray) -> float:
         weights = np.broadcast_to(np.exp(log_weights), (problem.n_sources, n_axes))
-        return float(np.mean(stress_of_sources(problem, source_distances(problem, coordinates, weights)) ** 2))
+        return mean_square_stress(problem, source_distances(problem, coordinates, weights))
 
     if n_axes == 1:
         log_weights = np.zeros(1)
     elif n_axes == 2:
-        log_ratio = _lowest(lambda x: mean_square(np.array([0.0, x])), float(equal_spread[1]))
+        log_ratio = _lowest(lambda x: loss(np.array([0.0, x])), float(equal_spread[1]))
         log_weights = np.array([0.0, log_ratio])
     else:
-        found = minimize(
-            lambda x: mean_square(np.concatenate([[0.0], x])),
-            equal_spread[1:],
-            method="Nelder-Mead",
-            options={"xatol": 1e-6, "fatol": 1e-12, "maxiter": 4000},
-        )
-        log_weights = np.concatenate([[0.0], found.x])
+        free = _lowest_in_box(lambda x: loss(np.concatenate([[0.0], x])), equal_spread[1:])
+        log_weights = np.concatenate([[0.0], free])
     return AxisWeights(
         weights=np.exp(log_weights),
         ratio=float(np.exp(log_weights[-1] - log_weights[0])),
-        stress1=float(np.sqrt(mean_square(log_weights))),
+        stress1=float(np.sqrt(loss(log_weights))),
         at_bound=bool(np.any(np.abs(log_weights - equal_spread) > 0.999 * _LOG_RANGE)),
     )
 
@@ -187,14 +215,34 @@ def _fit_weights(problem: Problem, coordinates: np.ndarray, spread: np.ndarray) 
 def _lowest(function: Callable[[float], float], centre: float) -> float:
     """Where a function of one variable is lowest within _LOG_RANGE of `centre`: grid, finer grid, then golden section.
 
-    Monotone regression makes small dents in the curve, which a search from one point would fall into.
+    Monotone regression makes small dents in the curve, which a search from one point would fall into, and flat
+    bottoms, of which the middle is taken.
     """
-    grid = centre + np.linspace(-_LOG_RANGE, _LOG_RANGE, _COARSE)
-    best = grid[np.argmin([function(x) for x in grid])]
-    step = grid[1] - grid[0]
-    fine = np.clip(best + np.linspace(-step, step, _FINE), grid[0], grid[-1])
-    best = fine[np.argmin([function(x) for x in fine])]
-    step = 2 * step / (_FINE - 1)
-    low, high = max(best - step, grid[0]), min(best + step, grid[-1])
+    low, high = centre - _LOG_RANGE, centre + _LOG_RANGE
+    for points in (_COARSE, _FINE):
+        grid = np.linspace(low, high, points)
+        losses = np.array([function(x) for x in grid])
+        bottom = _bottom(losses)
+        low, high = grid[max(bottom[0] - 1, 0)], grid[min(bottom[-1] + 1, points - 1)]
+    middle = float((grid[bottom[0]] + grid[bottom[-1]]) / 2)
     found = minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-9})
-    return float(found.x) if found.fun <= function(best) else float(best)
+    return float(found.x) if found.fun < function(middle) - _SAME_LOSS else middle
+
+
+def _bottom(losses: np.ndarray) -> np.ndarray:
+    """Indices of the unbroken run of lowest losses round the first lowest one."""
+    lowest = int(np.argmin(losses))
+    higher = np.flatnonzero(losses > losses[lowest] + _SAME_LOSS)
+    before, after = higher[higher < lowest], higher[higher > lowest]
+    return np.arange(before.max(initial=-1) + 1, after.min(initial=len(losses)))
+
+
+def _lowest_in_box(function: Callable[[np.ndarray], float], centre: np.ndarray) -> np.ndarray:
+    """Where a function is lowest within _LOG_RANGE of `centre`, by Nelder and Mead from the best of many points."""
+    box = [(c - _LOG_RANGE, c + _LOG_RANGE) for c in centre]
+    spread_out = qmc.Sobol(len(centre), scramble=False).random(_LOOKED_AT)
+    looked_at = [centre, *(centre + _LOG_RANGE * (2 * spread_out - 1))]
+    starts = sorted(looked_at, key=function)[:_STARTED_FROM]
+    options = {"xatol": 1e-6, "fatol": 1e-12, "maxiter": 4000}
+    found = [minimize(function, start, method="Nelder-Mead", bounds=box, options=options) for start in starts]
+    return np.asarray(min(found, key=lambda one: one.fun).x)

@@ -30,7 +30,7 @@ class SourceOrder:
     judged : ndarray of int, shape (q,)
         Indices of the judged pairs.
     values : ndarray, shape (q,)
-        Their dissimilarities.
+        Their dissimilarities over the largest of them: no level of measurement trusts the unit.
     block : ndarray of int, shape (q,)
         Dense rank of each: pairs of equal dissimilarity share a block.
     block_size : ndarray of int
@@ -48,7 +48,9 @@ def source_order(dissimilarities: np.ndarray) -> SourceOrder:
     judged = np.flatnonzero(~np.isnan(dissimilarities))
     values = dissimilarities[judged]
     _, block, size = np.unique(values, return_inverse=True, return_counts=True)
-    return SourceOrder(judged, values, block, size)
+    # Without the unit, squares of very large or very small dissimilarities neither overflow nor vanish.
+    largest = values.max(initial=0.0)
+    return SourceOrder(judged, values / largest if largest > 0 else values, block, size)
 
 
 def disparities(distances: np.ndarray, order: SourceOrder, *, level: Level, ties: Ties) -> np.ndarray:
@@ -87,6 +89,8 @@ def disparities(distances: np.ndarray, order: SourceOrder, *, level: Level, ties
     >>> disparities(np.array([1.0, 4.0, 2.0, 3.0]), order, level="ordinal", ties="secondary")
     array([1., 3., 3., 3.])
     """
+    if distances.size == 0:
+        return distances.copy()
     if level == "ordinal":
         if ties == "primary":
             sequence = np.lexsort((distances, order.block))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 from scipy.stats import linregress
+from scipy.stats import t as student_t
 
 from glossspace.errors import GlossError
 
@@ -41,8 +42,8 @@ def mean_ratings(table: pd.DataFrame) -> pd.DataFrame:
     """Average ratings over repeats, then over participants with their slider ranges equalised.
 
     Each participant's mean over repeats is moved and stretched so that all participants have the same mean and standard
-    deviation, those of the group: the linear equalisation, which suits a bounded slider with zeros. A participant
-    with one rating for everything has no range to stretch and is only moved.
+    deviation, the averages of the group's: the linear equalisation, which suits a bounded slider with zeros. A
+    participant with one rating for everything has no range to stretch or to average, and is only moved.
 
     Parameters
     ----------
@@ -68,7 +69,11 @@ def mean_ratings(table: pd.DataFrame) -> pd.DataFrame:
         )
     values = means.to_numpy()
     level, spread = values.mean(axis=1, keepdims=True), values.std(axis=1, keepdims=True)
-    stretch = np.divide(spread.mean(), spread, out=np.ones_like(spread), where=spread > 0)
+    # Rounding makes the spread of equal ratings a little more than 0, and stretching would blow that up.
+    varied = np.ptp(values, axis=1, keepdims=True) > 1e-9 * np.abs(values).max()
+    stretch = np.divide(
+        spread.mean(where=varied) if varied.any() else 1.0, spread, out=np.ones_like(spread), where=varied
+    )
     equalised = (values - level) * stretch + level.mean()
     m = len(values)
     error = equalised.std(axis=0, ddof=1) / np.sqrt(m) if m > 1 else np.full(values.shape[1], np.nan)
@@ -90,7 +95,7 @@ def regress_ratings(coordinate: np.ndarray, rating: np.ndarray) -> AxisRegressio
     Raises
     ------
     GlossError
-        Too few positions, or values that are not finite.
+        Too few positions, values that are not finite, or all ratings the same.
     """
     coordinate, rating = np.asarray(coordinate, dtype=float), np.asarray(rating, dtype=float)
     positions = len(np.unique(coordinate))
@@ -98,8 +103,10 @@ def regress_ratings(coordinate: np.ndarray, rating: np.ndarray) -> AxisRegressio
         raise GlossError("A regression of ratings needs finite coordinates and ratings.")
     if positions < 3:
         raise GlossError(f"A regression of ratings needs 3 different positions along the axis, but got {positions}.")
+    if np.ptp(rating) == 0:
+        raise GlossError(f"All ratings are {rating[0]:g}: there is no relation to the axis to fit.")
     line = linregress(coordinate, rating)
-    half = _t_quantile(len(rating) - 2) * line.stderr
+    half = student_t.ppf(0.975, len(rating) - 2) * line.stderr
     orders = [order for order in (2, 3) if positions > order]
     return AxisRegression(
         slope=float(line.slope),
@@ -111,13 +118,7 @@ def regress_ratings(coordinate: np.ndarray, rating: np.ndarray) -> AxisRegressio
     )
 
 
-def _t_quantile(degrees_of_freedom: int) -> float:
-    from scipy.stats import t
-
-    return float(t.ppf(0.975, degrees_of_freedom))
-
-
 def _polynomial_r_squared(coordinate: np.ndarray, rating: np.ndarray, order: int) -> float:
     curve = np.polynomial.Polynomial.fit(coordinate, rating, order)  # fits on a scaled domain, hence well conditioned
     total = np.sum((rating - rating.mean()) ** 2)
-    return float(1 - np.sum((rating - curve(coordinate)) ** 2) / total) if total > 0 else float("nan")
+    return float(1 - np.sum((rating - curve(coordinate)) ** 2) / total)

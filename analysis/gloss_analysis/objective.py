@@ -17,7 +17,14 @@ import numpy as np
 from gloss_analysis.disparities import Level, SourceOrder, Ties, disparities, source_order
 from gloss_analysis.dissimilarity import Dissimilarities
 
-__all__ = ["Problem", "make_problem", "source_distances", "stress_and_gradient", "stress_of_sources"]
+__all__ = [
+    "Problem",
+    "make_problem",
+    "mean_square_stress",
+    "source_distances",
+    "stress_and_gradient",
+    "stress_of_sources",
+]
 
 # Pairs closer than this part of the root mean square distance count as coincident: the direction between them is noise.
 _COINCIDENT = 1e-12
@@ -51,6 +58,11 @@ class Problem:
         """Number of sources (participants)."""
         return len(self.orders)
 
+    @property
+    def n_judging(self) -> int:
+        """Number of sources that judged any pair: those that the objective averages over."""
+        return sum(order.judged.size > 0 for order in self.orders)
+
 
 def make_problem(data: Dissimilarities, *, level: Level = "ordinal", ties: Ties = "primary") -> Problem:
     """Prepare `data` for the solvers."""
@@ -78,17 +90,25 @@ def source_distances(problem: Problem, coordinates: np.ndarray, weights: np.ndar
 def stress_of_sources(problem: Problem, distances: np.ndarray) -> np.ndarray:
     """Kruskal's Stress-1 of each source, shape (n_sources,), each at its own best scale.
 
-    A source whose judged distances are all zero has no shape to judge and counts as Stress 1.
+    A source whose judged distances are all zero has no shape to judge and counts as Stress 1; one that judged nothing
+    has nothing to contradict and Stress 0.
     """
-    stress = np.ones(problem.n_sources)
+    stress = np.zeros(problem.n_sources)
     for k, order in enumerate(problem.orders):
         d = distances[k, order.judged]
         total = d @ d
-        if total > 0:
+        if total == 0:
+            stress[k] = order.judged.size > 0
+        else:
             fitted = disparities(d, order, level=problem.level, ties=problem.ties)
             # As a sum of squared residuals: 1 - |Pd|^2/|d|^2 would lose the digits of a small stress.
             stress[k] = np.sqrt(max((d - fitted) @ (d - fitted), 0.0) / total)
     return stress
+
+
+def mean_square_stress(problem: Problem, distances: np.ndarray) -> float:
+    """Objective f: the mean of Stress-1 squared over the sources that judged any pair."""
+    return float(np.sum(stress_of_sources(problem, distances) ** 2) / problem.n_judging)
 
 
 def stress_and_gradient(
@@ -104,7 +124,7 @@ def stress_and_gradient(
         d = distances[k, order.judged]
         total = d @ d
         if total == 0:
-            value += 1.0
+            value += order.judged.size > 0
             continue
         fitted = disparities(d, order, level=problem.level, ties=problem.ties)
         residual = d - fitted
@@ -113,7 +133,7 @@ def stress_and_gradient(
         apart = d > _COINCIDENT * np.sqrt(total / len(d))
         # f_k = |d - Pd|^2 / |d|^2 has the derivative 2 (d - Pd - f_k d) / |d|^2.
         force[k, order.judged[apart]] = 2 * (residual[apart] / d[apart] - loss) / total
-    m = problem.n_sources
+    m = problem.n_judging
     pull = (force.T @ weights**2) * differences
     by_coordinates = problem.incidence @ pull / m
     by_weights = weights * (force @ squared) / m

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.distance import squareform
 
-from gloss_analysis.disparities import disparities
+from gloss_analysis.disparities import Level, Ties, disparities
 from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgeability import check_scalable, informs
 from gloss_analysis.mds import Model
-from gloss_analysis.objective import Level, Ties, make_problem, source_distances, stress_of_sources
+from gloss_analysis.objective import make_problem, mean_square_stress, source_distances
 from glossspace.errors import GlossError
 
 __all__ = ["SmacofResult", "smacof"]
@@ -55,7 +56,7 @@ def smacof(
     data : Dissimilarities
         Every participant judged every pair.
     start : ndarray, shape (n, n_dims)
-        The first configuration.
+        The first configuration; its points differ in every dimension.
     model, level, ties
         See `gloss_analysis.mds.scale`.
     max_steps : int
@@ -69,18 +70,25 @@ def smacof(
     Raises
     ------
     GlossError
-        A pair was not judged.
+        A pair was not judged, a participant's judgements say nothing about distances, or the start is not usable.
     """
     if np.isnan(data.values).any():
         raise GlossError("The majorization twin needs complete data. Use gloss_analysis.mds.scale for data with gaps.")
+    check_scalable(data, level=level, ties=ties)
+    if level == "ratio" and not all(informs(row, level=level, ties=ties) for row in data.values):
+        raise GlossError(
+            "A participant judged all pairs 0, which no configuration fits at ratio level. Leave them out."
+        )
+    if len(start) != len(data.stimuli) or not np.all(np.isfinite(start)) or not np.all(np.ptp(start, axis=0) > 0):
+        raise GlossError(f"The start must place {len(data.stimuli)} points, finite and different in every dimension.")
     problem = make_problem(data, level=level, ties=ties)
     z = np.asarray(start, dtype=float) - np.mean(start, axis=0)
     weights = np.ones((problem.n_sources, z.shape[1]))
     stress: list[float] = []
-    for _ in range(max_steps + 1):
+    while True:
         distances = source_distances(problem, z, weights)
-        stress.append(float(np.sqrt(np.mean(stress_of_sources(problem, distances) ** 2))))
-        if len(stress) > 1 and stress[-2] ** 2 - stress[-1] ** 2 < tolerance:
+        stress.append(float(np.sqrt(mean_square_stress(problem, distances))))
+        if len(stress) > max_steps or (len(stress) > 1 and stress[-2] ** 2 - stress[-1] ** 2 < tolerance):
             break
         targets = []
         for k, order in enumerate(problem.orders):

@@ -2,8 +2,6 @@
 
 from collections.abc import Callable, Iterable
 
-import numpy as np
-
 from gloss_analysis.disparities import Level, Ties
 from gloss_analysis.dissimilarity import Dissimilarities
 from gloss_analysis.mds import MdsSolution, Model, scale
@@ -26,8 +24,8 @@ def stress_curve(
     """Scale in each number of dimensions, from the fewest up.
 
     Each solution, with an empty dimension added, is a start for the next, so that stress does not rise with the number
-    of dimensions by more than the solver's tolerance. Numbers that the data have no room for,
-    more than n - 1, are left out.
+    of dimensions by more than the solver's tolerance. Numbers that the data have no room for, more than n - 1, are left
+    out.
 
     Parameters
     ----------
@@ -45,7 +43,6 @@ def stress_curve(
     """
     solutions: list[MdsSolution] = []
     for n_dims in sorted({p for p in dims if p <= len(data.stimuli) - 1} or set(dims)):
-        initial = [_padded(solutions[-1].coordinates, n_dims)] if solutions else []
         solutions.append(
             scale(
                 data,
@@ -55,13 +52,9 @@ def stress_curve(
                 ties=ties,
                 n_starts=n_starts,
                 seed=seed,
-                initial=initial,
+                initial=solutions[-1:],
                 n_jobs=n_jobs,
             )
         )
         on_solution(solutions[-1])
     return tuple(solutions)
-
-
-def _padded(coordinates: np.ndarray, n_dims: int) -> np.ndarray:
-    return np.pad(coordinates, ((0, 0), (0, n_dims - coordinates.shape[1])))

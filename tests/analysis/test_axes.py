@@ -30,8 +30,17 @@ def test_r_squared_is_that_of_multiple_regression():
 
 
 def test_a_property_that_does_not_differ_is_refused():
+    # The mean of three times .1 is not .1 in floating point.
     with pytest.raises(GlossError, match="differs between the stimuli"):
-        property_vector(np.eye(3), np.ones(3))
+        property_vector(np.eye(3), np.full(3, 0.1))
+    with pytest.raises(GlossError, match="Matching needs finite properties and dimensions that differ"):
+        matched_dimensions(np.eye(3)[:, :2], np.column_stack([np.full(3, 0.1), [1, 2, 3]]))
+
+
+def test_a_property_unrelated_to_the_configuration_has_no_direction():
+    square = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
+    with pytest.raises(GlossError, match="no direction there"):
+        property_vector(square, np.array([1.0, -1.0, -1.0, 1.0]))  # saddle-shaped
 
 
 def test_dimensions_are_matched_with_their_signs():

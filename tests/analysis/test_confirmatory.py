@@ -32,7 +32,7 @@ def test_the_ratio_is_the_lowest_point_of_the_stress_curve():
         distances = source_distances(problem, axis_values(), weights)
         return np.sqrt(np.mean(stress_of_sources(problem, distances) ** 2))
 
-    ratios = np.geomspace(0.1, 20, 2001)
+    ratios = np.geomspace(0.1, 20, 601)
     both = make_problem(data)
     assert fit.shared.stress1 <= min(stress(both, ratio) for ratio in ratios) + 1e-9
     for name, one in zip(fit.participants, fit.individual, strict=True):
@@ -71,6 +71,49 @@ def test_three_axes_and_one():
     assert alone.shared.weights.tolist() == [1.0]
 
 
+def test_three_axes_reach_the_lowest_point_of_a_fine_grid():
+    # Judged axes of very different weight, and noise: from equal spread alone the search may end in a dent.
+    rng = np.random.default_rng(3)
+    position = rng.standard_normal((8, 3)) * [1, 10, 0.1]
+    first, second = np.triu_indices(8, 1)
+    judged = np.linalg.norm((position[first] - position[second]) * [1.0, 0.01, 60.0], axis=1)
+    data = named(np.round(judged + 0.7 * rng.standard_normal(28)).clip(0), 8)
+    fit = confirm_axes(data, position, axes=("x", "y", "z"))
+    problem = make_problem(data)
+
+    def stress(*ratios):
+        return stress_of_sources(problem, source_distances(problem, position, np.array([[1.0, *ratios]])))[0]
+
+    grid = [stress(y, z) for y in np.geomspace(1e-3, 1, 40) for z in np.geomspace(1, 1000, 40)]
+    assert fit.shared.stress1 <= min(grid) + 1e-9
+
+
+def test_where_order_leaves_a_range_of_ratios_its_middle_is_taken():
+    # Stimuli at (0, 0), (1, 0), (0, 1), judged b > a > c: |ab| = 1, |ac| = w, |bc| = sqrt(1 + w^2). With |ac| judged
+    # larger than |ab| any w > 1 fits, up to the search's limit, 100 at equal spread: the middle on the log scale is 10.
+    fit = confirm_axes(named([1, 2, 3], 3), np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), axes=AXES)
+    assert fit.individual[0].stress1 == 0
+    assert fit.individual[0].ratio == pytest.approx(10, rel=0.06)  # half a step of the search's grid, exp(0.115)
+
+
+def test_an_observer_who_reversed_the_scale_is_reported():
+    data = judged_by([1.5, 1.78])
+    reversed_scale = named(np.vstack([data.values, 95 - data.values[0]]), 27)
+    fit = confirm_axes(reversed_scale, axis_values(), axes=AXES)
+    assert any("Was the scale reversed?" in warning and "p2" in warning for warning in fit.warnings)
+    assert not confirm_axes(data, axis_values(), axes=AXES).warnings
+
+
+def test_an_observer_who_judged_no_pair_along_an_axis_is_left_out_and_named():
+    data = judged_by([1.5, 2.0])
+    first, second = data.pairs
+    values = data.values.copy()
+    values[1, axis_values()[first, 1] != axis_values()[second, 1]] = np.nan
+    fit = confirm_axes(named(values, 27), axis_values(), axes=AXES)
+    assert fit.participants == ("p0",)
+    assert any("its weight is not known: p1" in warning for warning in fit.warnings)
+
+
 def test_an_observer_who_sees_one_axis_only_is_reported():
     position = axis_values()
     first, second = np.triu_indices(27, 1)
@@ -79,9 +122,10 @@ def test_an_observer_who_sees_one_axis_only_is_reported():
     assert any("one axis alone" in warning for warning in fit.warnings)
 
 
-def test_a_constant_observer_is_left_out_and_named():
+@pytest.mark.parametrize("level", ["ratio", "ordinal"])
+def test_a_constant_observer_is_left_out_and_named(level):
     values = np.vstack([judged_by([1.5, 2.0]).values, np.full((1, 351), 50.0)])
-    fit = confirm_axes(named(values, 27), axis_values(), axes=AXES)
+    fit = confirm_axes(named(values, 27), axis_values(), axes=AXES, level=level)
     assert fit.participants == ("p0", "p1")
     assert any("p2" in warning for warning in fit.warnings)
 
@@ -92,6 +136,8 @@ def test_a_constant_observer_is_left_out_and_named():
         (lambda x: x[:-1], r"Coordinates of shape \(26, 2\) do not fit 27 stimuli and 2 axes"),
         (lambda x: np.where(np.arange(27)[:, None] == 3, np.nan, x), "Coordinates must be finite"),
         (lambda x: x * [1, 0], "All stimuli have the same coordinate on the axis 'd'"),
+        # A study with one roughness: the standard deviation of 27 times .93 is a rounding error above 0.
+        (lambda x: x * [1, 0] + [0, 0.93], "All stimuli have the same coordinate on the axis 'd'"),
     ],
 )
 def test_impossible_coordinates_are_refused(change, message):

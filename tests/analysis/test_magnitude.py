@@ -28,9 +28,13 @@ def test_ranges_are_equalised_before_averaging():
     assert found["standard_error"].tolist() == pytest.approx([0, 0], abs=1e-12)
 
 
-def test_a_constant_participant_is_moved_and_nothing_is_divided_by_zero():
-    found = mean_ratings(ratings({"1": {"a": [0], "b": [40]}, "2": {"a": [50], "b": [50]}}))
-    assert np.all(np.isfinite(found["rating"]))
+@pytest.mark.parametrize("constant", [50, 33.3])
+def test_a_constant_participant_is_only_moved(constant):
+    # By hand: means 20 and `constant`, hence (20 + constant) / 2 for both; the one who varied keeps the range of 40, so
+    # the mean over both has 20. Three times 33.3 has a standard deviation of 7e-15, which must not be stretched.
+    table = {"1": {"a": [0], "b": [20], "c": [40]}, "2": {"a": [constant], "b": [constant] * 3, "c": [constant]}}
+    level = (20 + constant) / 2
+    assert mean_ratings(ratings(table))["rating"].tolist() == pytest.approx([level - 10, level, level + 10], rel=1e-12)
 
 
 def test_one_participant_has_no_standard_error():
@@ -50,7 +54,10 @@ def test_line_and_r_squared_agree_with_the_standard_library():
     expected = statistics.linear_regression(x.tolist(), y.tolist())
     assert (fit.slope, fit.intercept) == pytest.approx((expected.slope, expected.intercept), rel=1e-10)
     assert fit.r_squared == pytest.approx(statistics.correlation(x.tolist(), y.tolist()) ** 2, rel=1e-10)
-    assert fit.slope_ci95[0] < fit.slope < fit.slope_ci95[1]
+    # Student's interval written out: residual variance over 9 degrees of freedom; t(.975, 9) = 2.262157 from tables.
+    residual = y - fit.intercept - fit.slope * x
+    half = 2.262157 * np.sqrt(np.sum(residual**2) / 9 / np.sum((x - x.mean()) ** 2))
+    assert fit.slope_ci95 == pytest.approx((fit.slope - half, fit.slope + half), rel=1e-6)  # seven digits of t
 
 
 def test_polynomials_find_curvature_where_there_is_some():
@@ -69,3 +76,8 @@ def test_polynomials_find_curvature_where_there_is_some():
 def test_what_cannot_be_regressed_is_refused(x, message):
     with pytest.raises(GlossError, match=message):
         regress_ratings(np.array(x), np.arange(4.0))
+
+
+def test_equal_ratings_are_refused():
+    with pytest.raises(GlossError, match="All ratings are 100: there is no relation"):
+        regress_ratings(np.arange(4.0), np.full(4, 100.0))
