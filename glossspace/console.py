@@ -14,7 +14,17 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
-__all__ = ["FiniteNumber", "JsonFlag", "WholeNumber", "note", "print_json", "print_table", "progress_bar"]
+__all__ = [
+    "FiniteNumber",
+    "JsonFlag",
+    "NumberOfJobs",
+    "Seed",
+    "WholeNumber",
+    "note",
+    "print_json",
+    "print_table",
+    "progress_bar",
+]
 
 
 def _require_finite(_: object, value: float | None) -> None:
@@ -29,10 +39,18 @@ def _whole_number(_: object, tokens: Sequence[Token]) -> int:
         raise ValueError(f"{tokens[0].value!r} is not a whole number.") from None
 
 
+def _require_not_negative(_: object, value: int | None) -> None:
+    if value is not None and value < 0:
+        raise ValueError("Must be 0 or more.")
+
+
 # In the library NaN is a missing value; whoever types it made a mistake.
 FiniteNumber = Annotated[float, Parameter(validator=_require_finite)]
 # Left alone, the parser would round 2.5 to 2 in silence.
 WholeNumber = Annotated[int, Parameter(converter=_whole_number, n_tokens=1)]
+Seed = Annotated[int, Parameter(converter=_whole_number, validator=_require_not_negative, n_tokens=1)]
+# 0 stands for one process a core.
+NumberOfJobs = Annotated[int, Parameter(converter=_whole_number, validator=_require_not_negative, n_tokens=1)]
 
 JsonFlag = Annotated[
     bool,
@@ -88,7 +106,10 @@ def note(message: str) -> None:
 
 @contextmanager
 def progress_bar() -> Iterator[Progress]:
-    """Give a rich progress display on stderr. On anything but a terminal it prints its last state only."""
+    """Give a rich progress display on stderr. On anything but a terminal it prints its last state only.
+
+    An error takes it away, so that one line is left: the one that says what was wrong.
+    """
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -96,5 +117,11 @@ def progress_bar() -> Iterator[Progress]:
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        yield progress
+    console = Console(stderr=True)
+    with Progress(*columns, console=console) as progress:
+        try:
+            yield progress
+        except BaseException:
+            progress.live.transient = True
+            console.quiet = not console.is_terminal  # where there is no bar to take away, none is left
+            raise

@@ -13,7 +13,60 @@ import numpy as np
 
 from glossspace.errors import GlossError
 
-__all__ = ["read_json", "sha256_of", "shipped_folder", "whole_file", "write_bytes", "write_json", "write_text"]
+__all__ = [
+    "check_file_target",
+    "check_folder_target",
+    "read_json",
+    "sha256_of",
+    "shipped_folder",
+    "whole_file",
+    "write_bytes",
+    "write_json",
+    "write_text",
+]
+
+
+def check_file_target(path: str | Path) -> None:
+    """Refuse a path that no file can be written to, before long work rather than after it.
+
+    Raises
+    ------
+    GlossError
+        A folder or a device has that name, or a folder on the way to it is a file or cannot be written to.
+    """
+    path = Path(path)
+    with _refusals_to_write(path):
+        if path.is_dir():
+            raise GlossError(f"Cannot write '{path}': it is a folder. Give the name of a file.")
+        # Renaming a finished file onto /dev/stdout or /dev/null would replace the device itself.
+        if path.exists() and not path.is_file():
+            raise GlossError(f"Cannot write '{path}': it is no ordinary file. Give the name of a file.")
+        check_folder_target(path.parent)
+
+
+def check_folder_target(path: str | Path) -> None:
+    """Refuse a folder that cannot be made or written to, before long work rather than after it.
+
+    Raises
+    ------
+    GlossError
+        It, or the nearest folder above it that exists, is a file or cannot be written to.
+    """
+    path = Path(path)
+    with _refusals_to_write(path):
+        there = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
+        if not there.is_dir():
+            raise GlossError(f"Cannot write '{path}': '{there}' is a file, where a folder is needed.")
+        if not os.access(there, os.W_OK | os.X_OK):
+            raise GlossError(f"Cannot write '{path}': no permission in '{there}'. Choose another place.")
+
+
+@contextmanager
+def _refusals_to_write(path: str | Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise GlossError(f"Cannot write '{path}': {error.strerror or error}. Choose another place.") from error
 
 
 @contextmanager
@@ -25,7 +78,7 @@ def whole_file(path: str | Path) -> Iterator[Path]:
     Raises
     ------
     GlossError
-        The operating system refuses: no permission, no space, a folder of that name.
+        The operating system refuses: no permission, no space; or the path is that of a folder or a device.
 
     Examples
     --------
@@ -36,21 +89,24 @@ def whole_file(path: str | Path) -> Iterator[Path]:
     >>> (folder / "a.txt").read_text()
     'whole'
     """
-    path = Path(path)
+    check_file_target(path)
     temporary = None
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        # The suffix is kept, since image writers choose the format by it.
-        descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=f".part{path.suffix}")
-        os.close(descriptor)
-        temporary = Path(name)
-        yield temporary
-        with temporary.open("rb+") as stream:
-            os.fsync(stream.fileno())
-        temporary.chmod(0o644)  # mkstemp makes files that only their owner reads
-        temporary.replace(path)
-    except OSError as error:
-        raise GlossError(f"Cannot write '{path}': {error.strerror or error}. Choose another place.") from error
+        with _refusals_to_write(path):
+            # A link stays a link: what it points at is replaced.
+            target = Path(path).resolve()
+            target.parent.mkdir(parents=True, exist_ok=True)
+            # The suffix is kept, since image writers choose the format by it.
+            descriptor, name = tempfile.mkstemp(
+                dir=target.parent, prefix=f".{target.stem}-", suffix=f".part{target.suffix}"
+            )
+            os.close(descriptor)
+            temporary = Path(name)
+            yield temporary
+            with temporary.open("rb+") as stream:
+                os.fsync(stream.fileno())
+            temporary.chmod(0o644)  # mkstemp makes files that only their owner reads
+            temporary.replace(target)
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)

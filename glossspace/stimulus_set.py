@@ -72,7 +72,8 @@ class Stimulus:
     def __post_init__(self) -> None:
         for field in ("rho_d", "rho_s", "alpha"):
             value = getattr(self, field)
-            if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            # By comparison, since a whole number of 400 digits overflows where it is converted.
+            if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < math.inf:
                 raise GlossError(f"{field} must be a finite number, but is {value!r}.")
         for field in ("rho_d", "rho_s"):
             if getattr(self, field) < 0:
@@ -204,6 +205,9 @@ def read_stimulus_set(folder: str | Path, *, verify: bool = True) -> StimulusSet
     stimuli = tuple(_read_stimulus(entry, path) for entry in _section(manifest, "stimuli", list, path))
     for key, kind in (("name", str), ("image", dict), ("viewing", dict), ("display", dict)):
         _section(manifest, key, kind, path)
+    for section, keys in (("image", ("width", "height")), ("viewing", ("image_width_deg",))):
+        for key in keys:
+            _require_positive(manifest[section].get(key), f"{section}.{key}", path)
     names = [stimulus.name for stimulus in stimuli]
     for name in names:
         if names.count(name) > 1:
@@ -233,10 +237,17 @@ def _section(manifest: dict[str, Any], key: str, kind: type, path: Path) -> Any:
     return value
 
 
+def _require_positive(value: Any, key: str, path: Path) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not value > 0:
+        raise GlossError(f"The stimulus manifest '{path}' has no valid '{key}': {value!r}. Render the set again.")
+
+
 def _read_stimulus(entry: Any, path: Path) -> Stimulus:
     missing = [field for field in STIMULUS_FIELDS if not isinstance(entry, dict) or field not in entry]
     if missing:
         raise GlossError(f"A stimulus of the manifest '{path}' lacks {_listed(missing)}. Render the set again.")
+    if not isinstance(entry["name"], str) or not entry["name"].strip():
+        raise GlossError(f"A stimulus of the manifest '{path}' has no valid name: {entry['name']!r}. Render it again.")
     try:
         return Stimulus(entry["name"], entry["rho_d"], entry["rho_s"], entry["alpha"])
     except GlossError as error:

@@ -1,13 +1,26 @@
 """Sub-commands of the analysis: mds, confirm, fit, report."""
 
+import os
+import re
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 import pandas as pd
 
-from glossspace.console import JsonFlag, WholeNumber, note, print_json, print_table, progress_bar
+from glossspace.console import (
+    JsonFlag,
+    NumberOfJobs,
+    Seed,
+    WholeNumber,
+    note,
+    print_json,
+    print_table,
+    progress_bar,
+)
 from glossspace.errors import GlossError
+from glossspace.files import check_file_target
+from glossspace.user_table import read_user_table
 
 __all__ = ["confirm", "fit", "mds", "report"]
 
@@ -17,14 +30,15 @@ __all__ = ["confirm", "fit", "mds", "report"]
 
 def mds(
     table: Path,
+    /,
     *,
     dims: str = "1:5",
     model: Literal["identity", "weighted"] = "weighted",
     level: Literal["ratio", "interval", "ordinal"] = "ordinal",
     ties: Literal["primary", "secondary"] = "primary",
     starts: WholeNumber = 30,
-    seed: WholeNumber = 1,
-    jobs: WholeNumber = 1,
+    seed: Seed = 1,
+    jobs: NumberOfJobs = 1,
     json: JsonFlag = False,
 ) -> None:
     """Scale judged dissimilarities: stress and configuration in one or more numbers of dimensions.
@@ -53,13 +67,17 @@ def mds(
     seed
         Of the random starts.
     jobs
-        Processes; the result does not depend on it.
+        Processes, 0 for one a core; the result does not depend on it.
     """
     from gloss_analysis.dissimilarity import read_table
     from gloss_analysis.stress_curve import stress_curve
 
     wanted = _dimensions(dims)
     data = read_table(table)
+    room = len(data.stimuli) - 1
+    if wanted[0] <= room < wanted[-1]:
+        note(f"{len(data.stimuli)} stimuli have room for {room} dimensions at most; more of them are left out.")
+        wanted = range(wanted[0], room + 1)
     with progress_bar() as progress:
         task = progress.add_task("Scaling", total=len(wanted))
         solutions = stress_curve(
@@ -70,7 +88,7 @@ def mds(
             ties=ties,
             n_starts=starts,
             seed=seed,
-            n_jobs=jobs,
+            n_jobs=jobs or os.cpu_count() or 1,
             on_solution=lambda _: progress.advance(task),
         )
     if json:
@@ -115,6 +133,7 @@ def mds(
 
 def confirm(
     table: Path,
+    /,
     *,
     coordinates: Path,
     level: Literal["ratio", "interval", "ordinal"] = "ordinal",
@@ -123,14 +142,15 @@ def confirm(
 ) -> None:
     """Estimate how much given axes weigh in judged dissimilarities (confirmatory MDS).
 
-    The ratio is the weight of the last axis over that of the first: for c and d, the gloss paper's 1.78. The
-    population's ratio is the geometric mean over participants, with a 95 % t interval; the shared ratio is descriptive.
+    The ratio is the weight of the last axis over that of the first: for c and d,
+    the gloss paper's 1.78. The population's ratio is the geometric mean over
+    participants, with a 95 % t interval; the shared ratio is descriptive.
 
     Examples:
 
         gloss confirm study/dataset --coordinates coordinates.csv
 
-        gloss confirm pairs.csv --coordinates coordinates.csv --level ordinal --ties primary --json
+        gloss confirm pairs.csv --coordinates axes.csv --level ratio --json
 
     Parameters
     ----------
@@ -175,7 +195,7 @@ def confirm(
         note(warning)
 
 
-def fit(dataset: Path, *, out: Path, stimuli: Path | None = None, json: JsonFlag = False) -> None:
+def fit(dataset: Path, /, *, out: Path, stimuli: Path | None = None, json: JsonFlag = False) -> None:
     """Fit a gloss space to a dataset with judged pairs and, where they were rated, magnitude estimates.
 
     Examples:
@@ -195,29 +215,41 @@ def fit(dataset: Path, *, out: Path, stimuli: Path | None = None, json: JsonFlag
     """
     from gloss_analysis.dissimilarity import from_table
     from gloss_analysis.fit import fit_gloss_space
-    from glossspace.dataset import read_dissimilarities, read_magnitudes, read_stimuli, tasks_of
+    from glossspace.dataset import read_dissimilarities, read_magnitudes, read_stimuli, read_stimulus_table, tasks_of
 
-    known = read_stimuli(dataset) if stimuli is None else _stimulus_table(stimuli)
+    check_file_target(out)
     pairs = from_table(read_dissimilarities(dataset), source=f"The dataset '{dataset}'")
-    studies = {axis: task for axis, task in (("c", "contrast"), ("d", "doi")) if task in tasks_of(dataset)}
+    known = read_stimuli(dataset) if stimuli is None else read_stimulus_table(stimuli)
+    rated = [task for task, kind in tasks_of(dataset).items() if kind == "magnitude"]
+    studies = {axis: task for axis, task in (("c", "contrast"), ("d", "doi")) if task in rated}
     ratings = {axis: read_magnitudes(dataset, task) for axis, task in studies.items()}
     fitted = fit_gloss_space(known, pairs, ratings, name=f"fitted to {dataset.resolve().name}")
     fitted.space.save(out)
-    result = {
-        "space": str(out),
-        "weight_c": fitted.space.weight_c,
-        "weight_d": fitted.space.weight_d,
-        "weight_d_ci95": fitted.space.weight_d_ci95,
-        "r_squared": {axis: one.r_squared for axis, one in fitted.regressions.items()},
-    }
+    space = fitted.space
     if json:
-        print_json(result)
-    else:
-        print_table(pd.DataFrame({"quantity": list(result), "value": [str(value) for value in result.values()]}))
+        print_json(
+            {
+                "space": str(out),
+                "weight_c": space.weight_c,
+                "weight_d": space.weight_d,
+                "weight_d_ci95": space.weight_d_ci95,
+                "r_squared": {axis: one.r_squared for axis, one in fitted.regressions.items()},
+                "warnings": fitted.confirmatory.warnings,
+            }
+        )
+        return
+    rows = [("weight of d over that of c", space.weight_d)]
+    if space.weight_d_ci95 is not None:
+        rows += zip(("95 % from", "95 % to"), space.weight_d_ci95, strict=True)
+    rows += [(f"r² of the ratings along {axis}", one.r_squared) for axis, one in fitted.regressions.items()]
+    print_table(pd.DataFrame(rows, columns=["quantity", "value"]))
+    print(f"Gloss space: {out}")
+    for warning in fitted.confirmatory.warnings:
+        note(warning)
 
 
 def report(
-    study: Path, *, out: Path | None = None, seed: WholeNumber = 1, jobs: WholeNumber = 1, json: JsonFlag = False
+    study: Path, /, *, out: Path | None = None, seed: Seed = 1, jobs: NumberOfJobs = 1, json: JsonFlag = False
 ) -> None:
     """Analyse a study folder and write its report: one HTML file with the figures of the gloss paper.
 
@@ -236,13 +268,14 @@ def report(
     seed
         Of the random starts.
     jobs
-        Processes; the result does not depend on it.
+        Processes, 0 for one a core; the result does not depend on it.
     """
     from gloss_analysis.report import write_report
     from gloss_analysis.study import analyse_study, read_study, report_file
 
     target = report_file(study) if out is None else out
-    analysis = analyse_study(read_study(study), seed=seed, n_jobs=jobs, on_step=note)
+    check_file_target(target)
+    analysis = analyse_study(read_study(study), seed=seed, n_jobs=jobs or os.cpu_count() or 1, on_step=note)
     write_report(analysis, target)
     if json:
         print_json({"report": str(target), "weight_d": analysis.fit.space.weight_d})
@@ -251,53 +284,40 @@ def report(
 
 
 def _dimensions(text: str) -> range:
-    first, _, last = text.partition(":")
-    try:
-        wanted = range(int(first), int(last or first) + 1)
-    except ValueError:
-        wanted = range(0)
-    if not wanted or wanted[0] < 1:
+    # A number of dimensions has few digits, whatever the study.
+    written = re.fullmatch(r"([0-9]{1,6})(?::([0-9]{1,6}))?", text.strip())
+    first, last = (int(written[1]), int(written[2] or written[1])) if written else (0, 0)
+    if not 1 <= first <= last:
         raise GlossError(f"Invalid --dims {text!r}. Allowed: one number such as 2, or a range such as 1:5.")
-    return wanted
+    return range(first, last + 1)
 
 
 def _named(label: str, names: tuple[str, ...], columns: list[str], values: np.ndarray) -> pd.DataFrame:
     return pd.DataFrame({label: names} | dict(zip(columns, values.T, strict=True)))
 
 
-def _read_csv(path: Path, *, what: str) -> pd.DataFrame:
-    try:
-        return pd.read_csv(path, dtype={"stimulus": str})
-    except FileNotFoundError:
-        raise GlossError(f"No {what} at '{path}'. Check the path.") from None
-    except (OSError, ValueError) as error:
-        raise GlossError(f"Cannot read the {what} '{path}' as CSV: {str(error).strip()}.") from None
-
-
 def _coordinates(path: Path, stimuli: tuple[str, ...]) -> tuple[tuple[str, ...], np.ndarray]:
-    table = _read_csv(path, what="coordinate table")
-    axes = tuple(str(column) for column in table.columns if column != "stimulus")
-    if "stimulus" not in table.columns or not axes:
-        raise GlossError(
-            f"'{path}' must have the column stimulus and one for each axis; found {', '.join(table.columns)}."
-        )
+    table = read_user_table(path, what="coordinate table", columns=["stimulus"])
+    axes = tuple(column for column in table.columns if column != "stimulus")
+    if not axes:
+        raise GlossError(f"'{path}' has the column stimulus alone. Add one column of coordinates for each axis.")
+    table = table[table["stimulus"].isin(stimuli)]
     if table["stimulus"].duplicated().any():
         raise GlossError(
             f"'{path}' lists the stimulus {table['stimulus'][table['stimulus'].duplicated()].iloc[0]!r} twice."
         )
     missing = [name for name in stimuli if name not in set(table["stimulus"])]
     if missing:
-        raise GlossError(f"'{path}' lacks coordinates of the stimulus {missing[0]!r} ({len(missing)} such).")
-    try:
-        values = table.set_index("stimulus").loc[list(stimuli), list(axes)].to_numpy(dtype=float)
-    except (TypeError, ValueError):
-        raise GlossError(f"'{path}' holds coordinates that are not numbers.") from None
-    return axes, values
-
-
-def _stimulus_table(path: Path) -> pd.DataFrame:
-    table = _read_csv(path, what="stimulus table")
-    missing = [column for column in ("stimulus", "rho_d", "rho_s", "alpha") if column not in table.columns]
-    if missing:
-        raise GlossError(f"'{path}' lacks the column {missing[0]!r}. Expected stimulus, rho_d, rho_s, alpha.")
-    return table
+        raise GlossError(
+            f"'{path}' lacks coordinates of the stimulus {missing[0]!r} ({len(missing)} such). Add a row for each."
+        )
+    values = table[list(axes)].apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
+    unusable = np.argwhere(~np.isfinite(values))
+    if len(unusable):
+        row, column = unusable[0]
+        found = table[axes[column]].fillna("").iloc[row]
+        raise GlossError(
+            f"'{path}', line {table.index[row]}: the coordinate {axes[column]} of {table['stimulus'].iloc[row]!r} is "
+            f"{found!r}. Allowed: a finite number; remove columns that are no axes."
+        )
+    return axes, values[[table["stimulus"].tolist().index(name) for name in stimuli]]

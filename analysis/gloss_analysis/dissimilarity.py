@@ -8,6 +8,7 @@ import pandas as pd
 
 from glossspace.dataset import read_dissimilarities
 from glossspace.errors import GlossError
+from glossspace.user_table import read_user_table
 
 __all__ = ["COLUMNS", "Dissimilarities", "from_table", "read_table"]
 
@@ -75,20 +76,21 @@ def from_table(table: pd.DataFrame, *, source: str = "the table") -> Dissimilari
     if impossible.any():
         row = int(np.argmax(impossible))
         raise GlossError(
-            f"{source}, row {row + 1}: dissimilarity {table['dissimilarity'].iloc[row]!r} is not allowed. "
+            f"{source}, {_place(table, row)}: dissimilarity {table['dissimilarity'].iloc[row]!r} is not allowed. "
             "Allowed: a finite number >= 0, or an empty cell for a pair that was not judged."
         )
     labels = table[["participant_id", "stimulus_a", "stimulus_b"]]
     if labels.isna().any(axis=None):
         row = int(np.argmax(labels.isna().any(axis=1)))
-        raise GlossError(f"{source}, row {row + 1}: a participant or stimulus has no name. Fill the cell.")
+        raise GlossError(f"{source}, {_place(table, row)}: a participant or stimulus has no name. Fill the cell.")
 
     tidy = labels.astype(str).assign(dissimilarity=values)
     participants = tuple(dict.fromkeys(tidy["participant_id"]))
     stimuli = tuple(dict.fromkeys(tidy[["stimulus_a", "stimulus_b"]].to_numpy().ravel()))
     n = len(stimuli)
     if n < 3:
-        raise GlossError(f"{source} holds {n} stimuli. Scaling needs at least 3.")
+        count = {0: "no stimuli", 1: "1 stimulus"}.get(n, f"{n} stimuli")
+        raise GlossError(f"{source} holds {count}. Scaling needs at least 3.")
     first = tidy["stimulus_a"].map({name: index for index, name in enumerate(stimuli)}).to_numpy(dtype=int)
     second = tidy["stimulus_b"].map({name: index for index, name in enumerate(stimuli)}).to_numpy(dtype=int)
     low, high = np.minimum(first, second), np.maximum(first, second)
@@ -109,12 +111,8 @@ def read_table(path: str | Path) -> Dissimilarities:
     path = Path(path)
     if path.is_dir():
         return from_table(read_dissimilarities(path), source=f"The dataset '{path}'")
-    try:
-        # Labels stay text, so that participant 01 remains 01 and a stimulus called NA is not a missing one.
-        table = pd.read_csv(path, dtype=str, keep_default_na=False)
-    except FileNotFoundError:
-        raise GlossError(f"No dissimilarity table at '{path}'. Give a dataset folder or a CSV file.") from None
-    except (OSError, UnicodeDecodeError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
-        raise GlossError(f"Cannot read '{path}' as CSV: {str(error).strip()}.") from None
-    table = table.mask(table == "")
-    return from_table(table, source=f"'{path}'")
+    return from_table(read_user_table(path, what="dissimilarity table", columns=COLUMNS), source=f"'{path}'")
+
+
+def _place(table: pd.DataFrame, row: int) -> str:
+    return f"line {table.index[row]}" if table.index.name == "line" else f"row {row + 1}"

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from gloss_analysis.confirmatory import ConfirmatoryFit, confirm_axes
@@ -76,6 +77,11 @@ def fit_gloss_space(
     regressions = {}
     for axis, table in ratings.items():
         rated = rated_along(stimuli, table)
+        if np.ptp(rated["rating"]) == 0:
+            raise GlossError(
+                f"All stimuli have the same mean rating along {axis}, {rated['rating'].iloc[0]:g}: there is nothing to "
+                "fit. Check those sessions, or leave them out of the dataset."
+            )
         regressions[axis] = regress_ratings(rated[axis].to_numpy(), rated["rating"].to_numpy())
     judged = set(pairs.stimuli).union(*(table["stimulus"] for table in ratings.values()))
     known = stimuli[stimuli["stimulus"].isin(judged)]
@@ -107,7 +113,7 @@ def axis_coordinates(stimuli: pd.DataFrame, names: list[str]) -> pd.DataFrame:
     if unknown:
         raise GlossError(
             f"The stimulus {unknown[0]!r} was judged, but its rho_d, rho_s and alpha are not known "
-            f"({len(unknown)} such). Give the table or the stimulus set that describes it."
+            f"({len(unknown)} such). Give a table (`--stimuli`) or the stimulus set that describes it."
         )
     chosen = indexed.loc[names]
     return pd.DataFrame(

@@ -190,9 +190,10 @@ def _participant_rows(analysis: StudyAnalysis) -> list[dict[str, float | str | N
 def _rendering_summary(stimuli: StimulusSet) -> str:
     """How a set was rendered, with the error of its worst image."""
     manifest = stimuli.manifest
-    rendering = manifest.get("rendering", {})
+    # Another program may have rendered the set, and say less of how.
+    rendering = manifest.get("rendering") or {}
     parts = [f"{key} {rendering[key]}" for key in ("method", "quality", "seed") if key in rendering]
-    errors = [entry["error_estimate"] for entry in manifest["stimuli"] if "error_estimate" in entry]
+    errors = [entry["error_estimate"] for entry in manifest["stimuli"] if entry.get("error_estimate")]
     if errors:
         median = max(error["median"] for error in errors)
         tail = max(error["percentile_99_9"] for error in errors)

@@ -21,6 +21,7 @@ from gloss_analysis.fit import GlossSpaceFit, axis_coordinates, fit_gloss_space,
 from gloss_analysis.mds import MdsSolution, scale
 from gloss_analysis.stress_curve import stress_curve
 from glossspace.dataset import read_dissimilarities, read_magnitudes, read_simulated_observers
+from glossspace.errors import GlossError
 from glossspace.stimulus_set import StimulusSet, read_stimulus_set
 
 __all__ = [
@@ -151,6 +152,8 @@ def read_study(folder: Path) -> Study:
     GlossError
         A part is missing or broken; the message says which and how to mend it.
     """
+    if not folder.is_dir():
+        raise GlossError(f"No study folder at '{folder}'. Make one with `gloss reproduce --out '{folder}'`.")
     sets = {name: read_stimulus_set(stimulus_folder(folder, name)) for name in STIMULUS_SETS}
     stimuli = pd.concat([one.table() for one in sets.values()]).drop_duplicates("stimulus", ignore_index=True)
     dataset = dataset_folder(folder)

@@ -7,36 +7,40 @@ from cyclopts import Parameter
 from rich.progress import TaskID
 
 from gloss_experiments.run import Mode, SessionResult, run_session
-from glossspace.console import JsonFlag, note, print_json, progress_bar
+from glossspace.console import JsonFlag, Seed, note, print_json, progress_bar
 from glossspace.errors import GlossError
 
 __all__ = ["session"]
 
+Flag = Annotated[bool, Parameter(negative="", show_default=False)]
+
 
 def session(
     protocol: str,
+    /,
     *,
     stimuli: Path,
     dataset: Path,
     participant: str,
     session: str = "1",
-    simulate: Annotated[bool, Parameter(negative="")] = False,
-    headless: Annotated[bool, Parameter(negative="")] = False,
-    seed: int | None = None,
+    simulate: Flag = False,
+    headless: Flag = False,
+    seed: Seed | None = None,
     json: JsonFlag = False,
 ) -> None:
     """Run an observer session, or what is left of one, into a dataset.
 
-    A session that was interrupted goes on at the next trial when the same command is given again; a finished one is
-    left as it is. Escape ends a session; what is judged so far is kept.
+    A session that was interrupted goes on at the next trial when the same command
+    is given again; a finished one is left as it is. Escape ends a session; what is
+    judged so far is kept.
 
     Examples:
 
-        gloss session pairwise --stimuli set --dataset study --participant 01 --session 1
+        gloss session pairwise --stimuli set --dataset study --participant 01
 
-        gloss session my-protocol.toml --stimuli set --dataset study --participant 02 --simulate
+        gloss session my.toml --stimuli set --dataset study --participant 02 --simulate
 
-        gloss session doi --stimuli doi-set --dataset study --participant 03 --headless --json
+        gloss session doi --stimuli set --dataset study --participant 03 --headless
 
     Parameters
     ----------

@@ -70,6 +70,7 @@ class Journal:
         try:
             return self._opened()
         except OSError as error:
+            self._remove_made_folders()
             raise GlossError(
                 f"Cannot open the journal '{self.path}': {error.strerror or error}. Give a dataset folder that can be "
                 "written to."
@@ -110,6 +111,10 @@ class Journal:
             self._stream.close()
             if os.name != "posix":
                 self.path.unlink(missing_ok=True)
+            self._remove_made_folders()
+
+    def _remove_made_folders(self) -> None:
+        with contextlib.suppress(OSError):  # they hold something by now, or were never made
             for folder in self._made_folders:
                 folder.rmdir()
 

@@ -16,7 +16,7 @@ from glossspace.dataset.lock import locked
 from glossspace.dataset.observers import read_simulated_observers, record_simulated_observer
 from glossspace.dataset.read import read_dissimilarities, read_magnitudes, tasks_of
 from glossspace.dataset.schema import data_path
-from glossspace.dataset.stimuli import read_stimuli, record_stimuli
+from glossspace.dataset.stimuli import read_stimuli, read_stimulus_table, record_stimuli
 from glossspace.dataset.validate import dataset_problems, validate_dataset
 from glossspace.dataset.write import write_session_data
 
@@ -28,6 +28,7 @@ __all__ = [
     "read_magnitudes",
     "read_simulated_observers",
     "read_stimuli",
+    "read_stimulus_table",
     "record_simulated_observer",
     "record_stimuli",
     "tasks_of",

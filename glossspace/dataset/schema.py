@@ -94,7 +94,8 @@ def property_value(name: str) -> dict[str, Any]:
     return document
 
 
-_LABEL = re.compile(r"[a-zA-Z0-9]+")
+# Three such labels and their keywords must fit into a file name of 255 bytes.
+_LABEL = re.compile(r"[a-zA-Z0-9]{1,60}")
 _FILE_NAME = re.compile(r"([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\.(csv|tsv)")
 
 
@@ -104,13 +105,13 @@ def checked_label(value: object, *, what: str) -> str:
     Raises
     ------
     GlossError
-        It holds anything but the letters a–z, A–Z and digits.
+        It holds anything but the letters a–z, A–Z and digits, or more than 60 of them.
     """
     label = str(value)
     if not _LABEL.fullmatch(label):
         raise GlossError(
             f"The {what} '{label}' cannot stand in a file name of the dataset: "
-            "use letters a-z, A-Z and digits only, such as '01'."
+            "use letters a-z, A-Z and digits only, such as '01', and at most 60 of them."
         )
     return label
 

@@ -7,9 +7,10 @@ import pandas as pd
 from glossspace.dataset.lock import locked
 from glossspace.errors import GlossError
 from glossspace.files import write_text
-from glossspace.stimulus_set import StimulusSet
+from glossspace.stimulus_set import Stimulus, StimulusSet
+from glossspace.user_table import read_user_table
 
-__all__ = ["STIMULI_FILE", "read_stimuli", "record_stimuli"]
+__all__ = ["STIMULI_FILE", "read_stimuli", "read_stimulus_table", "record_stimuli"]
 
 STIMULI_FILE = "stimuli.csv"
 _COLUMNS = ["stimulus", "rho_d", "rho_s", "alpha"]
@@ -55,23 +56,46 @@ def read_stimuli(folder: str | Path) -> pd.DataFrame:
     Raises
     ------
     GlossError
-        The dataset has no such file, or the file lacks a column or holds something that is not a number.
+        The dataset has no such file, or it is damaged; see `read_stimulus_table`.
     """
     path = Path(folder) / STIMULI_FILE
-    try:
-        # As text: pandas' quick parser may miss a number's last bit, and the same stimulus would look like another.
-        table = pd.read_csv(path, dtype=str)
-    except FileNotFoundError:
+    if not path.exists():
         raise GlossError(
             f"The dataset '{folder}' has no {STIMULI_FILE}, so the parameters of its stimuli are not known. "
-            "Give them as a table with the columns stimulus, rho_d, rho_s, alpha."
-        ) from None
-    except (OSError, ValueError) as error:
-        raise GlossError(f"Cannot read '{path}': {str(error).strip()}.") from None
-    missing = [column for column in _COLUMNS if column not in table.columns]
-    if missing:
-        raise GlossError(f"'{path}' lacks the column {missing[0]!r}. Expected {', '.join(_COLUMNS)}.")
-    try:
-        return table[_COLUMNS].astype(dict.fromkeys(_COLUMNS[1:], float))
-    except ValueError as error:
-        raise GlossError(f"'{path}' holds a value that is not a number: {error}.") from None
+            "Give them as a CSV file (`--stimuli`) with the columns stimulus, rho_d, rho_s, alpha."
+        )
+    return read_stimulus_table(path)
+
+
+def read_stimulus_table(path: str | Path) -> pd.DataFrame:
+    """Parameters of stimuli from any CSV file with the columns stimulus, rho_d, rho_s and alpha; others are left out.
+
+    Returns
+    -------
+    DataFrame
+        As from `read_stimuli`.
+
+    Raises
+    ------
+    GlossError
+        The file is missing or no such table, a stimulus has no name or is there twice, or its parameters cannot be.
+    """
+    table = read_user_table(path, what="stimulus table", columns=_COLUMNS)
+    lines: dict[str, int] = {}
+    for line, row in zip(table.index, table[_COLUMNS].itertuples(index=False), strict=True):
+        where = f"The stimulus table '{path}', line {line}"
+        if pd.isna(row.stimulus):
+            raise GlossError(f"{where}: the stimulus has no name. Fill the cell.")
+        if row.stimulus in lines:
+            raise GlossError(
+                f"{where}: {row.stimulus!r} is already in line {lines[row.stimulus]}. Remove one of the two."
+            )
+        lines[row.stimulus] = line
+        try:
+            # By Python: pandas' quick parser may miss a number's last bit, and the stimulus look like another.
+            Stimulus(row.stimulus, float(row.rho_d), float(row.rho_s), float(row.alpha))
+        except GlossError as error:
+            raise GlossError(f"{where}: the stimulus {row.stimulus!r} cannot be: {error}") from None
+        except ValueError as error:
+            raise GlossError(f"{where}: the stimulus {row.stimulus!r} has no valid numbers: {error}.") from None
+    return table[_COLUMNS].astype(dict.fromkeys(_COLUMNS[1:], float)).reset_index(drop=True)

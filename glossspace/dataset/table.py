@@ -23,7 +23,8 @@ class DataFile:
 def data_files(folder: str | Path) -> list[Path]:
     """Every visible file under the dataset's ``data`` folder, in a stable order."""
     root = Path(folder) / "data"
-    found = (path for path in root.rglob("*") if path.is_file())
+    # A link whose file is not there, as some version controls of data leave it, is told of, never passed over.
+    found = (path for path in root.rglob("*") if not path.is_dir())
     # A name that begins with a dot is a half-written file or the file manager's, never data.
     return sorted(path for path in found if not path.name.startswith("."))
 
@@ -34,10 +35,13 @@ def read_data_file(path: Path) -> DataFile:
     Raises
     ------
     GlossError
-        It begins with a byte order mark, is not UTF-8 or no CSV, has no header, repeats a column, or has a row of
-        another length.
+        It cannot be opened, begins with a byte order mark, is not UTF-8 or no CSV, has no header, repeats a column, or
+        has a row of another length.
     """
-    content = path.read_bytes()
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise GlossError(f"Cannot read the data file '{path}': {error.strerror or error}.") from None
     if content.startswith(b"\xef\xbb\xbf"):
         raise GlossError(f"'{path}' begins with a byte order mark; save it as plain UTF-8 (in Excel not 'CSV UTF-8').")
     try:
@@ -65,6 +69,8 @@ def _parsed(path: Path, text: str) -> DataFile:
         raise GlossError(f"'{path}' has the column '{repeated[0]}' twice; each column has a name of its own.")
     rows = []
     for line, fields in lines:
+        if not fields:  # a blank line, as editors leave it at the end
+            continue
         if len(fields) != len(header):
             raise GlossError(
                 f"'{path}', line {line}: {len(fields)} fields, but the header names {len(header)} columns."

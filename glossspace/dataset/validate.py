@@ -69,6 +69,10 @@ def checked_tables(folder: str | Path) -> list[Table]:
 def _examined(folder: Path) -> tuple[list[Table], list[str]]:
     if not folder.is_dir():
         raise GlossError(f"No dataset folder at '{folder}'. Check the path.")
+    if not (folder / DESCRIPTION_FILE).exists():
+        inside = folder / "dataset"
+        hint = f"Did you mean '{inside}'?" if (inside / DESCRIPTION_FILE).exists() else "Check the path."
+        return [], [f"'{folder}' is no dataset: it holds no {DESCRIPTION_FILE}. {hint}"]
     problems: list[str] = []
     try:
         description = read_json(folder / DESCRIPTION_FILE, what="dataset description")
@@ -160,6 +164,9 @@ def _is_rating(text: str) -> bool:
     try:
         value = float(text)
     except ValueError:
+        return False
+    # Python also reads 1_000 and the digits of other scripts; no other program would.
+    if "_" in text or not text.isascii():
         return False
     return math.isfinite(value) and RATING_MIN <= value <= RATING_MAX
 

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from glossspace.console import JsonFlag, print_json
+from glossspace.console import JsonFlag, Seed, WholeNumber, print_json
 
 __all__ = ["render"]
 
@@ -14,17 +14,18 @@ def render(
     *,
     stimulus_set: Annotated[str, Parameter(name="--set")],
     out: Path,
-    size: int = 512,
+    size: WholeNumber = 512,
     quality: Literal["draft", "exact"] = "draft",
-    seed: int = 1,
+    seed: Seed = 1,
     scene: str | None = None,
     cache: Path | None = None,
     json: JsonFlag = False,
 ) -> None:
     """Render a stimulus set: one painted sphere a stimulus, in a checkerboard box under an area light.
 
-    Writes 8-bit PNG for the screen, linear OpenEXR in cd/m², a composite, and manifest.json: all that is needed to
-    reproduce them, the error reached, the hash of every file. Interrupted or repeated, it makes only what is missing.
+    Writes 8-bit PNG for the screen, linear OpenEXR in cd/m², a composite, and
+    manifest.json: all that is needed to reproduce them, the error reached, the hash
+    of every file. Interrupted or repeated, it makes only what is missing.
 
     Examples:
 
@@ -32,7 +33,7 @@ def render(
 
         gloss render --set doi --size 768 --quality exact --seed 7 --out stimuli/doi
 
-        gloss render --set my-paints.csv --scene my-box.toml --out stimuli/mine --json
+        gloss render --set my-paints.csv --scene my-box.toml --out mine --json
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ from gloss_stimuli.sets import StimulusList, read_stimulus_list
 from gloss_stimuli.tone import ToneCurve, solve_tone_curve
 from glossspace.console import note, progress_bar
 from glossspace.errors import GlossError
-from glossspace.files import read_json, sha256_of, write_json
+from glossspace.files import check_folder_target, read_json, sha256_of, write_json
 from glossspace.stimulus_set import MANIFEST_NAME, Stimulus, StimulusSet, read_stimulus_set, write_manifest
 
 __all__ = ["display_model", "render_set", "tone_curve"]
@@ -76,7 +76,7 @@ def render_set(
     >>> stimuli = render_set("experiment1", "stimuli/experiment1", size=256)  # doctest: +SKIP
     """
     out = Path(out)
-    _check_options(out, size=size, seed=seed)
+    _check_options(out, cache, size=size, seed=seed)
     wanted = read_stimulus_list(source)
     resolved = read_scene(scene)
     own_cache = out / ".coefficients"
@@ -269,10 +269,12 @@ def _say_error(wanted: StimulusList, entries: list[dict[str, Any]]) -> None:
         note(f"{wanted.name}: {clipped} pixels lie outside the tone curve's range and are clipped; see the manifest.")
 
 
-def _check_options(out: Path, *, size: int, seed: int) -> None:
+def _check_options(out: Path, cache: str | Path | None, *, size: int, seed: int) -> None:
     if isinstance(size, bool) or not isinstance(size, int) or not SMALLEST_SIZE <= size <= LARGEST_SIZE or size % 2:
         raise GlossError(f"The size must be an even number from {SMALLEST_SIZE} to {LARGEST_SIZE}, but is {size}.")
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
         raise GlossError(f"The seed must be a whole number from 0 to {LARGEST_SEED}, but is {seed}.")
     if out.exists() and not out.is_dir():
         raise GlossError(f"Cannot render into '{out}': it is a file. Give a folder.")
+    for folder in (out, *([] if cache is None else [Path(cache)])):
+        check_folder_target(folder)

@@ -1,10 +1,9 @@
 """Which stimuli a set holds: the shipped sets by name, or a user's list in CSV or TOML."""
 
-import csv
 import itertools
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -14,10 +13,14 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from glossspace.errors import GlossError
 from glossspace.files import shipped_folder
 from glossspace.stimulus_set import Stimulus
+from glossspace.user_table import read_user_table
 
 __all__ = ["StimulusList", "read_stimulus_list", "shipped_sets"]
 
 COLUMNS = ("rho_d", "rho_s", "alpha")
+
+# Far more than three numbers of double precision need, far less than a file name may have.
+LONGEST_NAME = 120
 
 
 @dataclass(frozen=True)
@@ -123,30 +126,18 @@ def _toml_rows(content: _ListFile) -> Iterator[tuple[str, tuple[Any, Any, Any]]]
 
 
 def _csv_rows(path: Path) -> Iterator[tuple[str, tuple[float, float, float]]]:
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
-            reader = csv.DictReader(stream, skipinitialspace=True)
-            header = [name.strip() for name in reader.fieldnames or []]
-            reader.fieldnames = header
-            for column in COLUMNS:
-                if column not in header:
-                    found = ", ".join(header) or "none"
-                    raise GlossError(f"The stimulus list '{path}' lacks the column '{column}'; it has: {found}.")
-            for row in reader:
-                yield f"line {reader.line_num}", _numbers(row, path, reader.line_num)
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise GlossError(f"Cannot read the stimulus list '{path}': {error}.") from None
+    table = read_user_table(path, what="stimulus list", columns=COLUMNS)[list(COLUMNS)].fillna("")
+    for line, cells in zip(table.index, table.itertuples(index=False), strict=True):
+        yield f"line {line}", _numbers(cells, f"The stimulus list '{path}', line {line}")
 
 
-def _numbers(row: dict[str, Any], path: Path, line: int) -> tuple[float, float, float]:
+def _numbers(cells: Sequence[str], where: str) -> tuple[float, float, float]:
     values = []
-    for column in COLUMNS:
+    for column, cell in zip(COLUMNS, cells, strict=True):
         try:
-            values.append(float(row[column]))
-        except (TypeError, ValueError):
-            raise GlossError(
-                f"The stimulus list '{path}', line {line}: {column} must be a number, but is '{row[column] or ''}'."
-            ) from None
+            values.append(float(cell))
+        except ValueError:
+            raise GlossError(f"{where}: {column} must be a number, but is '{cell}'.") from None
     return values[0], values[1], values[2]
 
 
@@ -158,6 +149,11 @@ def _stimuli(rows: Iterator[tuple[str, tuple[Any, Any, Any]]], path: Path) -> tu
             stimulus = Stimulus.of(*values)
         except GlossError as error:
             raise GlossError(f"The stimulus list '{path}', {place}: {error}") from None
+        if len(stimulus.name) > LONGEST_NAME:
+            raise GlossError(
+                f"The stimulus list '{path}', {place}: the files of this stimulus would have a name of "
+                f"{len(stimulus.name)} characters; allowed are {LONGEST_NAME}. Give its numbers with fewer digits."
+            )
         if stimulus.name in found:
             raise GlossError(
                 f"The stimulus list '{path}', {place}: {stimulus.name} is already there ({found[stimulus.name]}). "

@@ -39,12 +39,12 @@ def test_participants_keep_their_labels_and_order(tmp_path):
     ("content", "message"),
     [
         ("participant_id,stimulus_a,stimulus_b\n1,a,b\n", "lacks the column 'dissimilarity'"),
-        (",".join(COLUMNS) + "\n1,a,b,1\n1,b,c,-2\n", r"row 2: dissimilarity '-2' is not allowed"),
-        (",".join(COLUMNS) + "\n1,a,b,inf\n1,b,c,2\n", r"row 1: dissimilarity 'inf' is not allowed"),
-        (",".join(COLUMNS) + "\n1,a,b,much\n1,b,c,2\n", r"row 1: dissimilarity 'much' is not allowed"),
-        (",".join(COLUMNS) + "\n1,a,b,1\n1,,c,2\n", r"row 2: a participant or stimulus has no name"),
+        (",".join(COLUMNS) + "\n1,a,b,1\n1,b,c,-2\n", r"line 3: dissimilarity '-2' is not allowed"),
+        (",".join(COLUMNS) + "\n1,a,b,inf\n1,b,c,2\n", r"line 2: dissimilarity 'inf' is not allowed"),
+        (",".join(COLUMNS) + "\n1,a,b,much\n1,b,c,2\n", r"line 2: dissimilarity 'much' is not allowed"),
+        (",".join(COLUMNS) + "\n1,a,b,1\n1,,c,2\n", r"line 3: a participant or stimulus has no name"),
         (",".join(COLUMNS) + "\n1,a,b,1\n", "holds 2 stimuli. Scaling needs at least 3"),
-        ("", "Cannot read"),
+        ("", "is empty"),
     ],
 )
 def test_broken_tables_are_refused_in_one_line(tmp_path, content, message):

@@ -153,7 +153,7 @@ def test_killed_at_random_moments_and_resumed_it_equals_an_unbroken_run(experime
 def test_killed_between_the_data_and_their_description(experiment1, tmp_path):
     run_session("doi", stimuli=experiment1, dataset=tmp_path, participant="01")
     (tmp_path / "dataset_description.json").unlink()
-    with pytest.raises(GlossError, match="No dataset description"):
+    with pytest.raises(GlossError, match="holds no dataset_description.json"):
         validate_dataset(tmp_path)
     run_session("doi", stimuli=experiment1, dataset=tmp_path, participant="01")
     validate_dataset(tmp_path)

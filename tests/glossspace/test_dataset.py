@@ -253,7 +253,7 @@ def test_the_description_is_complete(study, key):
 def test_missing_things(tmp_path):
     with pytest.raises(GlossError, match=r"No dataset folder at '.*nowhere'\. Check the path"):
         validate_dataset(tmp_path / "nowhere")
-    with pytest.raises(GlossError, match=r"No dataset description at '.*dataset_description\.json'"):
+    with pytest.raises(GlossError, match=r"is no dataset: it holds no dataset_description\.json"):
         validate_dataset(tmp_path)
     update_description(tmp_path)
     with pytest.raises(GlossError, match="holds no data file under 'data'"):

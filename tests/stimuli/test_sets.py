@@ -67,7 +67,7 @@ def test_a_toml_joins_grids_and_single_stimuli(tmp_path: Path) -> None:
         ("0.03,0.099,nan", r"line 2: alpha must be a finite number, but is nan"),
         ("0.03,inf,0.04", r"line 2: rho_s must be a finite number, but is inf"),
         ("0.03,shiny,0.04", r"line 2: rho_s must be a number, but is 'shiny'"),
-        ("0.03,0.099", r"line 2: alpha must be a number, but is ''"),
+        ("0.03,0.099", r"line 2: 2 cells, but the header names 3 columns"),
         ("0.03,0.099,0.04\n0.030,0.0990,0.040", r"line 3: d0.03_s0.099_a0.04 is already there \(line 2\)"),
         ("", "holds no stimuli"),
     ],
@@ -84,7 +84,7 @@ def test_an_impossible_row_is_named_with_its_value(tmp_path: Path, rows: str, me
 def test_a_missing_column_is_named(tmp_path: Path) -> None:
     path = tmp_path / "bad.csv"
     path.write_text("rho_d,rho_s\n0.1,0.1\n", encoding="utf-8")
-    with pytest.raises(GlossError, match=r"lacks the column 'alpha'; it has: rho_d, rho_s"):
+    with pytest.raises(GlossError, match=r"lacks the column 'alpha'. Expected rho_d, rho_s, alpha; found rho_d, rho_s"):
         read_stimulus_list(path)
 
 
