@@ -44,7 +44,7 @@ def render(
     size
         Width and height of the images in pixels; an even number.
     quality
-        draft is clean to the eye; exact takes sixteen times the samples. Both report the error they reached.
+        draft is clean to the eye; exact takes thirty-two times the samples. Both report the error they reached.
     seed
         Seed of the sampling. The same seed gives the same files.
     scene

@@ -19,7 +19,10 @@ def write_luminance(path: str | Path, luminance_cd_m2: NDArray[np.floating]) -> 
         raise FloatingPointError(f"'{path}': luminance holds values that are not finite.")
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     with whole_file(path) as temporary:
-        OpenEXR.File(header, {"Y": pixels}).write(str(temporary))
+        try:
+            OpenEXR.File(header, {"Y": pixels}).write(str(temporary))
+        except RuntimeError as error:  # OpenEXR's word for a full disk
+            raise OSError(str(error).rpartition('". ')[2].rstrip(".")) from error
 
 
 def read_luminance(path: str | Path) -> NDArray[np.float32]:

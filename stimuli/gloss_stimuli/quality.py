@@ -30,12 +30,12 @@ class Quality:
     wall_samples: int
 
 
-# Exact repeats draft sixteen times: longer repetitions would gain little and make an interruption wait for them.
+# Exact repeats draft thirty-two times: longer repetitions would gain little and make an interruption wait for them.
 QUALITIES = {
     quality.name: quality
     for quality in (
-        Quality(name="draft", randomisations=8, diffuse_samples=512, sphere_samples=128, wall_samples=16),
-        Quality(name="exact", randomisations=128, diffuse_samples=512, sphere_samples=128, wall_samples=16),
+        Quality(name="draft", randomisations=8, diffuse_samples=256, sphere_samples=64, wall_samples=16),
+        Quality(name="exact", randomisations=256, diffuse_samples=256, sphere_samples=64, wall_samples=16),
     )
 }
 

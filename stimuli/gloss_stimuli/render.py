@@ -22,7 +22,7 @@ from glossspace.errors import GlossError
 from glossspace.files import check_folder_target, read_json, sha256_of, write_json
 from glossspace.stimulus_set import MANIFEST_NAME, Stimulus, StimulusSet, read_stimulus_set, write_manifest
 
-__all__ = ["display_model", "render_set", "tone_curve"]
+__all__ = ["check_rendering", "display_model", "render_set", "tone_curve"]
 
 # The error a rendering aims at, in code values, on this share of the pixels of every image.
 TARGET_CODE_ERROR = 0.5
@@ -76,7 +76,9 @@ def render_set(
     >>> stimuli = render_set("experiment1", "stimuli/experiment1", size=256)  # doctest: +SKIP
     """
     out = Path(out)
-    _check_options(out, cache, size=size, seed=seed)
+    check_rendering(out, size=size, seed=seed)
+    if cache is not None:
+        check_folder_target(cache)
     wanted = read_stimulus_list(source)
     resolved = read_scene(scene)
     own_cache = out / ".coefficients"
@@ -96,6 +98,23 @@ def render_set(
         shutil.rmtree(own_cache, ignore_errors=True)
     _say_error(wanted, entries)
     return rendered
+
+
+def check_rendering(out: str | Path, *, size: int, seed: int) -> None:
+    """Refuse, before anything is done, what `render_set` would refuse.
+
+    Raises
+    ------
+    GlossError
+        The folder cannot be written to, or the size or the seed is not allowed.
+    """
+    if isinstance(size, bool) or not isinstance(size, int) or not SMALLEST_SIZE <= size <= LARGEST_SIZE or size % 2:
+        raise GlossError(f"The size must be an even number from {SMALLEST_SIZE} to {LARGEST_SIZE}, but is {size}.")
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
+        raise GlossError(f"The seed must be a whole number from 0 to {LARGEST_SEED}, but is {seed}.")
+    if Path(out).is_file():
+        raise GlossError(f"Cannot render into '{out}': it is a file. Give a folder.")
+    check_folder_target(out)
 
 
 def tone_curve(scene: Scene) -> ToneCurve:
@@ -267,14 +286,3 @@ def _say_error(wanted: StimulusList, entries: list[dict[str, Any]]) -> None:
     clipped = sum(entry["clipped_pixels"] for entry in entries)
     if clipped:
         note(f"{wanted.name}: {clipped} pixels lie outside the tone curve's range and are clipped; see the manifest.")
-
-
-def _check_options(out: Path, cache: str | Path | None, *, size: int, seed: int) -> None:
-    if isinstance(size, bool) or not isinstance(size, int) or not SMALLEST_SIZE <= size <= LARGEST_SIZE or size % 2:
-        raise GlossError(f"The size must be an even number from {SMALLEST_SIZE} to {LARGEST_SIZE}, but is {size}.")
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
-        raise GlossError(f"The seed must be a whole number from 0 to {LARGEST_SEED}, but is {seed}.")
-    if out.exists() and not out.is_dir():
-        raise GlossError(f"Cannot render into '{out}': it is a file. Give a folder.")
-    for folder in (out, *([] if cache is None else [Path(cache)])):
-        check_folder_target(folder)
