@@ -15,7 +15,7 @@ from gloss_analysis.mds import MdsSolution
 from gloss_analysis.objective import make_problem, stress_and_gradient
 from glossspace.errors import GlossError
 
-__all__ = ["PropertyVector", "matched_dimensions", "property_vector", "rotated_to", "rotation_cost"]
+__all__ = ["PropertyVector", "matched_dimensions", "property_vector", "rotated_to", "rotation_cost", "turned_along"]
 
 
 @dataclass(frozen=True)
@@ -119,6 +119,35 @@ def rotated_to(coordinates: np.ndarray, target: np.ndarray) -> np.ndarray:
     x = coordinates - coordinates.mean(axis=0)
     rotation, _ = orthogonal_procrustes(x, target - np.mean(target, axis=0))
     return x @ rotation
+
+
+def turned_along(coordinates: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Turn a two-dimensional identity solution by property fitting: `first` rises along its first dimension.
+
+    The second dimension then stands upright on it, on the side to which `second` rises. How far the direction of
+    `second` leans from it says how far the two properties are from independent.
+
+    Parameters
+    ----------
+    coordinates : ndarray, shape (n, 2)
+    first, second : ndarray, shape (n,)
+        Properties of the stimuli.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        Distances between points stay as they are.
+
+    Raises
+    ------
+    GlossError
+        See `property_vector`.
+    """
+    along = property_vector(coordinates, first).direction
+    upright = np.array([-along[1], along[0]])
+    if upright @ property_vector(coordinates, second).direction < 0:
+        upright = -upright
+    return (coordinates - coordinates.mean(axis=0)) @ np.column_stack([along, upright])
 
 
 def rotation_cost(data: Dissimilarities, solution: MdsSolution, angles_deg: np.ndarray) -> np.ndarray:

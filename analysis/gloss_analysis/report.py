@@ -102,7 +102,7 @@ def _pictures(analysis: StudyAnalysis, cities: CityMap, circle: ColourCircle) ->
         "identity": _svg(
             figures.draw_identity_configuration(analysis),
             "Two-dimensional configuration without participants' weights",
-            f"The same judgements without participants' weights, turned towards c and d.{simulated}",
+            f"The same judgements without participants' weights, turned so that c rises along dimension 1.{simulated}",
         ),
         "doi": _svg(
             figures.draw_ratings(analysis.rated["d"], "d", fit.regressions["d"]),

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from gloss_analysis.axes import PropertyVector, matched_dimensions, property_vector, rotated_to, rotation_cost
+from gloss_analysis.axes import PropertyVector, matched_dimensions, property_vector, rotation_cost, turned_along
 from gloss_analysis.dissimilarity import Dissimilarities, from_table
 from gloss_analysis.fit import GlossSpaceFit, axis_coordinates, fit_gloss_space, rated_along
 from gloss_analysis.mds import MdsSolution, scale
@@ -99,7 +99,7 @@ class AxisReading:
     rotation_deg, rotation_stress1 : ndarray
         Stress after turning the weighted solution's axes, with weights fitted anew.
     identity_rotated : ndarray, shape (n, 2)
-        The identity solution, turned towards (c, weight * d).
+        The identity solution, turned by property fitting: c rises along its first dimension.
     identity_vectors : mapping of {"c", "d"} to PropertyVector
         Fitted to the turned identity solution.
     """
@@ -204,18 +204,18 @@ def analyse_study(
         plane=plane,
         identity_plane=identity_plane,
         coordinates=coordinates,
-        axes=_read_axes(study.pairs, plane, identity_plane, coordinates, fit.space.weight_d),
+        axes=_read_axes(study.pairs, plane, identity_plane, coordinates),
         fit=fit,
         rated={axis: rated_along(study.stimuli, table) for axis, table in study.ratings.items()},
     )
 
 
 def _read_axes(
-    pairs: Dissimilarities, plane: MdsSolution, identity: MdsSolution, coordinates: pd.DataFrame, weight_d: float
+    pairs: Dissimilarities, plane: MdsSolution, identity: MdsSolution, coordinates: pd.DataFrame
 ) -> AxisReading:
     properties = coordinates[["c", "d"]].to_numpy()
     order, sign = matched_dimensions(plane.coordinates, properties)
-    turned = rotated_to(identity.coordinates, properties * [1.0, weight_d])
+    turned = turned_along(identity.coordinates, properties[:, 0], properties[:, 1])
     return AxisReading(
         order=order,
         sign=sign,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gloss_analysis.axes import matched_dimensions, property_vector, rotated_to, rotation_cost
+from gloss_analysis.axes import matched_dimensions, property_vector, rotated_to, rotation_cost, turned_along
 from gloss_analysis.mds import scale
 from glossspace.errors import GlossError
 from tests.analysis.studies import judged_by, named
@@ -72,3 +72,14 @@ def test_rotation_cost_needs_a_weighted_plane():
     data = named([1, 2, 3, 4, 5, 6], 4)
     with pytest.raises(GlossError, match="weighted solution in two dimensions"):
         rotation_cost(data, scale(data, n_dims=2, model="identity"), np.zeros(1))
+
+
+def test_property_fitting_turns_the_first_property_onto_the_first_dimension():
+    # Points at (x, y); the properties x and y + x/2 rise at 0 and at atan(2) = 63.4 degrees.
+    x, y = np.random.default_rng(4).standard_normal((2, 50))
+    turn = np.array([[0.28, -0.96], [0.96, 0.28]]) @ np.diag([1, -1])
+    seen = np.column_stack([x, y]) @ turn + 7
+    turned = turned_along(seen, x, y + x / 2)
+    assert turned == pytest.approx(np.column_stack([x - x.mean(), y - y.mean()]), abs=1e-12)
+    lean = property_vector(turned, y + x / 2).angle_deg[1]
+    assert lean == pytest.approx(90 - np.degrees(np.arctan(2)), abs=1e-9)

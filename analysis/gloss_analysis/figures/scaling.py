@@ -58,10 +58,10 @@ def draw_configuration(analysis: StudyAnalysis) -> "Figure":
 
 
 def draw_identity_configuration(analysis: StudyAnalysis) -> "Figure":
-    """Draw the common space without weights, turned towards (c, weight * d)."""
+    """Draw the common space without weights, turned so that c rises along its first dimension."""
     points = analysis.axes.identity_rotated
     figure = new_figure(4.8, 3.3)
-    axes = figure.add_subplot(xlabel="turned towards c", ylabel="turned towards d", aspect="equal")
+    axes = figure.add_subplot(xlabel="dimension 1, along c", ylabel="dimension 2", aspect="equal")
     draw_stimuli(axes, points[:, 0], points[:, 1], _stimuli(analysis))
     legend_below(axes)
     tidy(axes)
