@@ -13,7 +13,7 @@ from glossspace.files import shipped_folder
 
 __all__ = ["CityMap", "ColourCircle", "city_map", "colour_circle"]
 
-# Helm's ten chips round the hue circle, as his participants' judgements order them.
+# Helm's ten chips round the hue circle, by their names: from red-purple over yellow, green and blue to purple.
 HUE_ORDER = ("RPur", "Red", "Yel", "Gy1", "Gy2", "Green", "Blue", "BlP", "Pur1", "Pur2")
 
 

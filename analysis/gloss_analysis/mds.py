@@ -2,12 +2,13 @@
 
 Minimises the objective of `objective` over coordinates and, in the weighted model, over each participant's dimension
 weights (INDSCAL), with SciPy's L-BFGS from many starts in two stages: short runs for all, then the best are polished.
-In one dimension, where points cannot pass each other, the best are also improved by interchange of points. `smacof` is
+In one dimension, where points cannot pass each other, minima are also improved by interchange of points. `smacof` is
 the readable majorization twin.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -39,7 +40,7 @@ _POLISHED = 8
 _POLISHING_STEPS = 2000
 # Two starts found the same minimum when their objectives agree to this: far below what a change of order costs.
 _SAME_STRESS = 1e-6
-# Interchange of points on a line: how many promising new orders are weighed, and how many of these tried by short runs.
+# Interchange of points on a line: how many promising new orders are weighed, and how many of these tried out.
 _WEIGHED_ORDERS = 60
 _TRIED_ORDERS = 8
 
@@ -147,7 +148,7 @@ def scale(
     Notes
     -----
     The objective is mean_k [1 - |P_k d_k|^2 / |d_k|^2] (see `objective`). In one dimension the problem is combinatorial
-    and this search heuristic: points of the best starts are moved and interchanged for as long as that lowers the
+    and this search heuristic: points of eight minima are moved and interchanged for as long as that lowers the
     stress, and the best is reported, not proven. Each participant's scale being free, weights cannot matter there.
 
     Examples
@@ -174,7 +175,8 @@ def scale(
         starts = _all_starts(data, n_dims, n_starts, seed, initial)
         free_weights = weighted and n_dims > 1
         screened = _run_all(problem, starts, free_weights, _SCREENING_STEPS, n_jobs)
-        best = [(run.coordinates, run.weights) for run in screened[:_POLISHED]]
+        chosen = _spread_out(screened) if n_dims == 1 else screened
+        best = [(run.coordinates, run.weights) for run in chosen[:_POLISHED]]
         polished = _run_all(problem, best, free_weights, _POLISHING_STEPS, n_jobs)
         if n_dims == 1:
             improved = Parallel(n_jobs=n_jobs)(delayed(_interchange)(problem, run) for run in polished)
@@ -253,11 +255,18 @@ def _minimise_on_one_thread(*arguments: Any) -> _Run:
         return _minimise(*arguments)
 
 
+def _spread_out(runs: Sequence[_Run]) -> list[_Run]:
+    """Different minima from the best to the worst: on a line, interchange gets further than from the best alone."""
+    different = [runs[0], *(run for before, run in pairwise(runs) if run.value > before.value + _SAME_STRESS)]
+    return different[:: max(len(different) // _POLISHED, 1)]
+
+
 def _interchange(problem: Problem, run: _Run) -> _Run:
     """Move and exchange points on a line for as long as that lowers the stress.
 
     A new order shows its worth only when its points have settled and the disparities with them. So the orders are
-    sifted: by the stress that the present disparities promise, then by their stress as they stand, then by short runs.
+    sifted: by the stress that the present disparities promise, then by their stress as they stand, then by letting them
+    settle.
     """
     with threadpool_limits(limits=1):
         better: _Run | None = run
