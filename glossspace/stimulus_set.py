@@ -3,7 +3,7 @@
 Whoever renders writes it; sessions and analyses read it. All meet in the files, so none imports another.
 """
 
-import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -72,8 +72,9 @@ class Stimulus:
     def __post_init__(self) -> None:
         for field in ("rho_d", "rho_s", "alpha"):
             value = getattr(self, field)
+            is_number = isinstance(value, int | float) and not isinstance(value, bool)
             # By comparison, since a whole number of 400 digits overflows where it is converted.
-            if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < math.inf:
+            if not is_number or not abs(value) <= sys.float_info.max:
                 raise GlossError(f"{field} must be a finite number, but is {value!r}.")
         for field in ("rho_d", "rho_s"):
             if getattr(self, field) < 0:

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 from typing import Literal
 
-from glossspace.console import JsonFlag, WholeNumber, note, print_json
+from glossspace.console import JsonFlag, NumberOfJobs, Seed, WholeNumber, note, print_json
 
 __all__ = ["reproduce"]
 
@@ -14,13 +14,14 @@ def reproduce(
     out: Path,
     quality: Literal["draft", "exact"] = "draft",
     size: WholeNumber = 512,
-    seed: WholeNumber = 1,
-    jobs: WholeNumber = 0,
+    seed: Seed = 1,
+    jobs: NumberOfJobs = 0,
     json: JsonFlag = False,
 ) -> None:
     """Run the gloss paper's study: stimuli, simulated observers, scaling, gloss space, report.
 
-    Interrupted, it goes on where it was when it is run again with the same settings.
+    Interrupted, it goes on where it was when it is run again with the same
+    settings.
 
     Examples:
 
@@ -35,7 +36,7 @@ def reproduce(
     quality
         Of the images: draft is quick, exact takes its time.
     size
-        Width and height of the images in pixels.
+        Width and height of the images in pixels; an even number.
     seed
         The same seed gives the same study.
     jobs

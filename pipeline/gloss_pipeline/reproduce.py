@@ -19,7 +19,7 @@ from gloss_analysis.study import (
     stimulus_folder,
 )
 from gloss_experiments import run_session, simulated_observers
-from gloss_stimuli import render_set
+from gloss_stimuli import check_rendering, render_set
 from glossspace.errors import GlossError
 from glossspace.files import read_json, write_json
 
@@ -29,6 +29,8 @@ Quality: TypeAlias = Literal["draft", "exact"]
 
 N_OBSERVERS = 9
 """As many as took part in the gloss paper's experiments."""
+
+_FORMAT, _VERSION = "glossspace/study", 1
 
 # Which stimulus set each session shows.
 _SESSIONS = {"pairwise": "experiment1", "contrast": "contrast", "doi": "doi"}
@@ -85,8 +87,9 @@ def reproduce_study(
     Raises
     ------
     GlossError
-        The folder holds a study with other settings, or a part of it is broken.
+        A setting is not allowed; the folder holds a study with other settings, or anybody's data; a part is broken.
     """
+    check_rendering(study, size=size, seed=seed)  # first, since a claim with settings that cannot be would stay
     _claim(study, {"quality": quality, "size": size, "seed": seed})
     image_seed, observer_seed, session_seed = (
         int(child.generate_state(1)[0]) for child in np.random.SeedSequence(seed).spawn(3)
@@ -125,9 +128,17 @@ def _claim(study: Path, settings: dict[str, object]) -> None:
     """Note the settings of a new study; refuse to mix them with those of an old one."""
     path = study / "study.json"
     if not path.exists():
-        write_json(path, {"format": "glossspace/study", "version": 1, **settings})
+        for folder in (study / "stimuli", dataset_folder(study)):
+            if folder.exists():  # perhaps the answers of people: no place for simulated ones
+                raise GlossError(f"'{study}' holds '{folder.name}', but no study of this command. Use another --out.")
+        write_json(path, {"format": _FORMAT, "version": _VERSION, **settings})
         return
     known = read_json(path, what="study description")
+    if (known.get("format"), known.get("version")) != (_FORMAT, _VERSION):
+        raise GlossError(
+            f"'{path}' has format {known.get('format')!r}, version {known.get('version')!r}; this version reads "
+            f"{_FORMAT!r}, version {_VERSION}. Use another --out, or the glossspace that wrote it."
+        )
     differing = [
         f"{key} {known.get(key)!r} instead of {value!r}" for key, value in settings.items() if known.get(key) != value
     ]

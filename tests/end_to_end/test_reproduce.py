@@ -113,6 +113,25 @@ def test_other_settings_are_refused_in_the_same_folder(study):
         pipeline.reproduce_study(study, size=SIZE, seed=2)
 
 
+@pytest.mark.parametrize("settings", [{"size": 7}, {"seed": -1}, {"seed": 2**32}])
+def test_settings_that_cannot_be_claim_no_folder(tmp_path, settings):
+    with pytest.raises(GlossError, match=r"The (size|seed) must be"):
+        pipeline.reproduce_study(tmp_path / "out", **settings)
+    assert not (tmp_path / "out").exists()
+
+
+def test_simulated_answers_never_go_into_a_dataset_of_others(tmp_path):
+    dataset_folder(tmp_path).mkdir()
+    with pytest.raises(GlossError, match=r"holds 'dataset', but no study of this command\. Use another --out"):
+        pipeline.reproduce_study(tmp_path, size=SIZE)
+
+
+def test_a_study_of_another_version_is_told(tmp_path):
+    (tmp_path / "study.json").write_text('{"format": "glossspace/study", "version": 2}')
+    with pytest.raises(GlossError, match=r"version 2; this version reads 'glossspace/study', version 1"):
+        pipeline.reproduce_study(tmp_path, size=SIZE)
+
+
 def test_interrupted_it_goes_on_where_it_was(study, tmp_path, monkeypatch):
     class Stop(Exception):
         pass

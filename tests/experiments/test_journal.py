@@ -132,6 +132,12 @@ def test_a_journal_that_never_began_leaves_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_journal_that_cannot_be_made_leaves_nothing(tmp_path):
+    with pytest.raises(GlossError, match="Cannot open the journal"), Journal(tmp_path / "study" / "j" / ("a" * 300)):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_full_disk_keeps_what_is_written(path):
     """A limit on the size of files stands in for a full disk: the system takes part of the line, then refuses."""
     resource = pytest.importorskip("resource", reason="Windows has no such limit")

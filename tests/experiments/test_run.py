@@ -196,6 +196,7 @@ def test_a_person_and_a_program_never_share_a_name(experiment1, tmp_path):
         ({"mode": "pilot"}, "Unknown mode 'pilot'; allowed are headless, simulate, screen"),
         ({"seed": -1}, "The seed -1 is not allowed"),
         ({"participant": "a_1"}, "The participant 'a_1' cannot stand in a file name"),
+        ({"participant": "a" * 300}, "cannot stand in a file name of the dataset: .* at most 60"),
         ({"session": "1/2"}, "The session '1/2' cannot stand in a file name"),
         ({"protocol": "pairs"}, "No protocol 'pairs'"),
         ({"stimuli": "nowhere"}, "No stimulus set at 'nowhere'"),

@@ -221,3 +221,18 @@ def test_a_reader_that_leaves_is_no_error():
     )
     assert done.stdout == "{\n"
     assert done.stderr == "rc=0\n"
+
+
+def stopping_amid_progress() -> None:
+    """Fail by a user's mistake while a progress bar is shown."""
+    from glossspace.console import progress_bar
+    from glossspace.errors import GlossError
+
+    with progress_bar() as progress:
+        progress.add_task("Working", total=3)
+        raise GlossError("A mistake.")
+
+
+def test_an_error_amid_progress_leaves_its_line_alone(gloss, commands):
+    commands(stop=f"{HERE}:stopping_amid_progress")
+    assert gloss("stop") == (2, "", "gloss: A mistake.\n")

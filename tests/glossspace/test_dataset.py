@@ -200,6 +200,8 @@ def test_names_alone_may_stand_in_variable_measured(study):
         (",b,a,40,", ",b,a,140,", r"pairwise_data\.csv', line 2: dissimilarity '140' is not a number from 0 to 100"),
         (",b,a,40,", ",b,a,-1,", "line 2: dissimilarity '-1' is not a number from 0 to 100"),
         (",b,a,40,", ",b,a,nan,", "line 2: dissimilarity 'nan' is not a number from 0 to 100"),
+        (",b,a,40,", ",b,a,4_0,", "line 2: dissimilarity '4_0' is not a number from 0 to 100"),
+        (",b,a,40,", ",b,a,٤٠,", "line 2: dissimilarity '٤٠' is not a number from 0 to 100"),
         (",b,a,40,", ",b,a,many,", "line 2: dissimilarity 'many' is not a number from 0 to 100"),
         (",a,a,0,", ",a,b,0,", r"line 3: the trial a with b is already in '.*', line 2; remove one row"),
         ("-0002,", "-0001,", "line 3: row_id '01-1-pairwise-0001' is already used in .*, line 2"),
@@ -270,6 +272,29 @@ def test_a_file_of_another_encoding(study):
     pairwise_file(study).write_bytes(pairwise_file(study).read_bytes().replace(b",b,a,", b",\xe4,a,"))
     with pytest.raises(GlossError, match="is not UTF-8"):
         validate_dataset(study)
+
+
+def test_a_link_to_nothing_is_no_absent_participant(study):
+    path = pairwise_file(study)
+    path.unlink()
+    path.symlink_to("not-fetched")
+    with pytest.raises(GlossError, match=r"Cannot read the data file '.*pairwise_data\.csv': No such file"):
+        validate_dataset(study)
+
+
+def test_blank_lines_at_the_end_do_not_count(study):
+    path = pairwise_file(study)
+    path.write_text(path.read_text("utf-8") + "\n\n", "utf-8")
+    validate_dataset(study)
+    assert len(read_dissimilarities(study)) == 3
+
+
+def test_the_folder_round_a_dataset_is_told_apart(study):
+    folder = study.parent / "round"
+    folder.mkdir()
+    study.rename(folder / "dataset")
+    with pytest.raises(GlossError, match=r"is no dataset: .*Did you mean '.*round.dataset'\?"):
+        validate_dataset(folder)
 
 
 def test_hidden_files_are_not_data(study):

@@ -8,7 +8,17 @@ import numpy as np
 import pytest
 
 from glossspace.errors import GlossError
-from glossspace.files import read_json, sha256_of, shipped_folder, whole_file, write_bytes, write_json, write_text
+from glossspace.files import (
+    check_file_target,
+    check_folder_target,
+    read_json,
+    sha256_of,
+    shipped_folder,
+    whole_file,
+    write_bytes,
+    write_json,
+    write_text,
+)
 
 
 def names(folder):
@@ -81,6 +91,47 @@ class TestWholeFile:
         with pytest.raises(GlossError, match=r"^Cannot write '.*a': "):
             write_text(tmp_path / "a", "x")
         assert names(tmp_path) == ["a"]
+
+    @pytest.mark.skipif(os.name != "posix", reason="named pipes are of POSIX")
+    def test_what_is_no_ordinary_file_is_never_replaced(self, tmp_path):
+        os.mkfifo(tmp_path / "device")
+        with pytest.raises(GlossError, match=r"^Cannot write '.*device': it is no ordinary file"):
+            write_text(tmp_path / "device", "x")
+        assert not (tmp_path / "device").is_file()
+        assert names(tmp_path) == ["device"]
+
+    @pytest.mark.skipif(os.name != "posix", reason="elsewhere links need rights")
+    def test_a_link_stays_a_link(self, tmp_path):
+        (tmp_path / "link").symlink_to(tmp_path / "target")
+        write_text(tmp_path / "link", "x")
+        assert (tmp_path / "link").is_symlink()
+        assert (tmp_path / "target").read_text() == "x"
+
+    def test_a_name_that_no_system_takes(self, tmp_path):
+        with pytest.raises(GlossError, match=r"^Cannot write '.*': "):
+            write_text(tmp_path / ("a" * 300), "x")
+        with pytest.raises(GlossError, match=r"^Cannot write '.*': "):
+            write_text(tmp_path / ("a" * 300) / "b", "x")
+        assert names(tmp_path) == []
+
+
+class TestTargets:
+    def test_what_can_be_written_passes_and_makes_nothing(self, tmp_path):
+        check_file_target(tmp_path / "new" / "a.txt")
+        check_folder_target(tmp_path / "new" / "folder")
+        assert names(tmp_path) == []
+
+    def test_files_on_the_way(self, tmp_path):
+        (tmp_path / "a").touch()
+        with pytest.raises(GlossError, match=r"'.*a' is a file, where a folder is needed"):
+            check_file_target(tmp_path / "a" / "b.txt")
+        with pytest.raises(GlossError, match=r"'.*a' is a file, where a folder is needed"):
+            check_folder_target(tmp_path / "a")
+
+    def test_folders_without_permission(self, tmp_path, monkeypatch):
+        monkeypatch.setattr(os, "access", lambda path, mode: False)  # root may write anywhere
+        with pytest.raises(GlossError, match=r"no permission in '.*'\. Choose another place"):
+            check_folder_target(tmp_path / "new")
 
 
 def test_text_is_plain_utf8(tmp_path):

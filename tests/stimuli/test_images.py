@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from gloss_stimuli.images import read_codes, read_luminance, write_codes, write_luminance
+from glossspace.errors import GlossError
 
 
 def test_luminance_comes_back_bit_for_bit(tmp_path: Path) -> None:
@@ -35,4 +36,15 @@ def test_equal_pixels_make_equal_files(tmp_path: Path) -> None:
 def test_luminance_that_is_not_finite_is_not_written(tmp_path: Path) -> None:
     with pytest.raises(FloatingPointError, match="not finite"):
         write_luminance(tmp_path / "a.exr", np.array([[1.0, np.nan]]))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_is_one_line(tmp_path: Path, monkeypatch) -> None:
+    # What OpenEXR 3.4 raises there.
+    def full(*_: object) -> None:
+        raise RuntimeError('Failed to write pixel data to image file "x.exr". No space left on device.')
+
+    monkeypatch.setattr("OpenEXR.File.write", full)
+    with pytest.raises(GlossError, match=r"^Cannot write '.*a\.exr': No space left on device\. Choose another place"):
+        write_luminance(tmp_path / "a.exr", np.ones((2, 2)))
     assert list(tmp_path.iterdir()) == []

@@ -170,6 +170,7 @@ def test_the_error_estimate_is_true(tmp_path: Path, few_paints: Path) -> None:
         ({"seed": -1}, "seed must be a whole number"),
         ({"quality": "perfect"}, "Unknown quality 'perfect'"),
         ({"scene": "kitchen"}, "No scene 'kitchen'"),
+        ({"cache": __file__}, "is a file, where a folder is needed"),
     ],
 )
 def test_bad_options_are_refused_before_anything_is_written(tmp_path: Path, few_paints: Path, options, message) -> None:
@@ -181,6 +182,8 @@ def test_bad_options_are_refused_before_anything_is_written(tmp_path: Path, few_
 def test_a_file_is_no_folder(tmp_path: Path, few_paints: Path) -> None:
     with pytest.raises(GlossError, match="it is a file"):
         render_set(few_paints, few_paints, size=SIZE, quality="tiny")
+    with pytest.raises(GlossError, match="is a file, where a folder is needed"):
+        render_set(few_paints, few_paints / "out", size=SIZE, quality="tiny")
 
 
 def test_a_tampered_image_is_found(tmp_path: Path, few_paints: Path) -> None:

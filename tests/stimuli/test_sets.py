@@ -69,6 +69,12 @@ def test_a_toml_joins_grids_and_single_stimuli(tmp_path: Path) -> None:
         ("0.03,shiny,0.04", r"line 2: rho_s must be a number, but is 'shiny'"),
         ("0.03,0.099", r"line 2: 2 cells, but the header names 3 columns"),
         ("0.03,0.099,0.04\n0.030,0.0990,0.040", r"line 3: d0.03_s0.099_a0.04 is already there \(line 2\)"),
+        ("0.03,0.099,0.04,7", r"line 2: 4 cells, but the header names 3 columns"),
+        ("0.03,,0.04", r"line 2: rho_s must be a number, but is ''"),
+        (
+            "0.03,0.099,1e-300",
+            r"line 2: .* name of \d+ characters; allowed are 120. Give its numbers",
+        ),
         ("", "holds no stimuli"),
     ],
 )
