@@ -3,6 +3,7 @@
 Exit codes: 0 done; 1 an error of the program itself; 2 a mistake of the user; 130 interrupted.
 """
 
+import contextlib
 import io
 import os
 import sys
@@ -11,7 +12,7 @@ from importlib.metadata import EntryPoint, entry_points, version
 from cyclopts import App
 from cyclopts.exceptions import CycloptsError
 
-from glossspace.console import note
+from glossspace.console import ResultConsole, note
 from glossspace.errors import GlossError
 
 __all__ = ["main", "make_app"]
@@ -48,6 +49,7 @@ def make_app(words: list[str]) -> App:
         help_format="plaintext",
         help_epilogue=_EPILOGUE,
         version=version("glossspace"),
+        console=ResultConsole(),
         # Interrupts are handled in `main`, with the exit code that shells expect.
         suppress_keyboard_interrupt=False,
     )
@@ -94,8 +96,12 @@ def main(arguments: list[str] | None = None) -> None:
     except KeyboardInterrupt:
         _stop("Interrupted. What was finished is kept; run the same command again to go on.", code=130)
     except BrokenPipeError:
-        # Whoever read our output, such as `head`, left: nobody's error. Python would complain when it flushes at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # Whoever read our output, such as `head`, left: nobody's error.
+        _discard_output()
+    except OSError as error:
+        # Of files the rooms tell more; what is left is a full disk behind stdout, or a right that is missing.
+        _discard_output()
+        _stop(f"The system refuses: {error}. Check the disk's space and the permissions.", code=2)
 
 
 def _install_advice(command: EntryPoint, error: ModuleNotFoundError) -> str:
@@ -103,6 +109,12 @@ def _install_advice(command: EntryPoint, error: ModuleNotFoundError) -> str:
     if room not in _EXTRAS or (error.name or "").startswith("gloss"):
         raise error  # a fault of the installation or of ours, not a missing extra
     return f"needs the package {error.name!r}: pip install 'glossspace[{_EXTRAS[room]}]'."
+
+
+def _discard_output() -> None:
+    """Let what Python still holds for stdout go nowhere: it would complain when it flushes at exit."""
+    with contextlib.suppress(OSError):  # no file is behind stdout, such as in a test
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _stop(message: str, *, code: int) -> None:

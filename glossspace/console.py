@@ -18,6 +18,7 @@ __all__ = [
     "FiniteNumber",
     "JsonFlag",
     "NumberOfJobs",
+    "ResultConsole",
     "Seed",
     "WholeNumber",
     "note",
@@ -57,6 +58,15 @@ JsonFlag = Annotated[
     Parameter(name="--json", negative="", show_default=False, help="Print one JSON document and nothing else."),
 ]
 
+
+class ResultConsole(Console):
+    """Console of stdout that leaves a closed pipe to `glossspace.cli.main`; rich would end the program with code 1."""
+
+    def on_broken_pipe(self) -> None:
+        """Pass the exception on."""
+        raise BrokenPipeError
+
+
 # A pipe or a file has no width: rich would squeeze the table into 80 columns and cut numbers.
 _PIPE_WIDTH = 160
 
@@ -86,7 +96,7 @@ def print_table(rows: pd.DataFrame, *, title: str | None = None) -> None:
         table.add_row(*(_cell(value) for value in row))
     # Without markup and emoji: names from files may hold brackets and colons.
     width = None if sys.stdout.isatty() else _PIPE_WIDTH
-    Console(highlight=False, markup=False, emoji=False, width=width).print(table)
+    ResultConsole(highlight=False, markup=False, emoji=False, width=width).print(table)
 
 
 def _cell(value: Any) -> str:

@@ -36,11 +36,11 @@ def session(
 
     Examples:
 
-        gloss session pairwise --stimuli set --dataset study --participant 01
+        gloss session pairwise --stimuli set --dataset data --participant 01
 
-        gloss session my.toml --stimuli set --dataset study --participant 02 --simulate
+        gloss session a.toml --stimuli set --dataset data --participant 2 --simulate
 
-        gloss session doi --stimuli set --dataset study --participant 03 --headless
+        gloss session doi --stimuli set --dataset data --participant 03 --headless
 
     Parameters
     ----------

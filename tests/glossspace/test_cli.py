@@ -236,3 +236,29 @@ def stopping_amid_progress() -> None:
 def test_an_error_amid_progress_leaves_its_line_alone(gloss, commands):
     commands(stop=f"{HERE}:stopping_amid_progress")
     assert gloss("stop") == (2, "", "gloss: A mistake.\n")
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device of Linux")  # noqa: PTH110
+@pytest.mark.parametrize("words", [["--help"], ["distance", "--help"], ["distance", ".1,.1,.1", ".1,.1,.2"]])
+def test_no_room_for_the_result_is_one_line(words):
+    with open("/dev/full", "w") as full:  # noqa: PTH123
+        done = subprocess.run(
+            [sys.executable, "-c", "from glossspace.cli import main; main()", *words],
+            stdout=full, stderr=subprocess.PIPE, text=True, check=False,
+        )  # fmt: skip
+    assert done.returncode == 2
+    assert one_line(done.stderr)
+    assert "No space left on device" in done.stderr
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a pipe that closes early is of POSIX")
+@pytest.mark.parametrize("words", [["--help"], ["isogloss", ".193,.066,.07", "--n", "3000"]])
+def test_a_reader_that_leaves_early_is_nobodys_error(words):
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(
+        [sys.executable, "-c", "from glossspace.cli import main; main()", *words],
+        stdout=writing, stderr=subprocess.PIPE, text=True, check=False,
+    )  # fmt: skip
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, "")
