@@ -13,12 +13,16 @@ __all__ = ["Comparison", "compare_with_paper"]
 
 @dataclass(frozen=True)
 class Comparison:
-    """One row: a quantity, what the gloss paper prints, what this run gives, and why they differ or agree."""
+    """One row: a quantity, what the gloss paper prints, what this run gives, and why they differ or agree.
+
+    `judged` says whether the run's value comes from the participants' judgements.
+    """
 
     quantity: str
     paper: str
     run: str
     why: str
+    judged: bool = False
 
 
 def compare_with_paper(analysis: StudyAnalysis, cities: CityMap) -> list[Comparison]:
@@ -43,19 +47,22 @@ def compare_with_paper(analysis: StudyAnalysis, cities: CityMap) -> list[Compari
             "a steep fall from 1 to 2, a slow one after (fig. 5, no numbers)",
             stress,
             f"Kruskal's Stress-1, ordinal, ties primary, each participant at a scale of its own. {embodied}",
+            judged=True,
         ),
-        Comparison("Weight of d in eq. 5", "1.78", ratio, embodied),
+        Comparison("Weight of d in eq. 5", "1.78", ratio, embodied, judged=True),
         Comparison(
             "r² of ratings on d (fig. 7)",
             ".96; polynomials gain less than .01",
             _r_squared(regressions["d"].r_squared, regressions["d"].polynomial_r_squared),
-            embodied + " Their noise and compression were chosen, not measured.",
+            embodied + ("" if simulated is None else " Their noise and compression were chosen, not measured."),
+            judged=True,
         ),
         Comparison(
             "r² of ratings on c (fig. 8)",
             ".94",
             _r_squared(regressions["c"].r_squared, regressions["c"].polynomial_r_squared),
             embodied + " Which 24 of the 30 possible stimuli the paper used is not known.",
+            judged=True,
         ),
         Comparison(
             "Axes of the two-dimensional solution (fig. 6)",
@@ -63,6 +70,7 @@ def compare_with_paper(analysis: StudyAnalysis, cities: CityMap) -> list[Compari
             _angles(analysis),
             "A weighted solution fixes its axes up to order and sign; the paper's picture seems to be turned. "
             + embodied,
+            judged=True,
         ),
         Comparison(
             "c of the gray paint ρs .066 (fig. 11)",
