@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -13,6 +14,7 @@ __all__ = ["SIMULATED_OBSERVERS_FILE", "read_simulated_observers", "record_simul
 
 SIMULATED_OBSERVERS_FILE = "simulated_observers.json"
 _FORMAT = "gloss-simulated-observers"
+_PARAMETERS = ("weight_c", "weight_d", "ratio", "exponent", "noise_sd")
 
 
 def record_simulated_observer(folder: str | Path, participant: str, parameters: Mapping[str, float]) -> None:
@@ -78,5 +80,13 @@ def _observers(path: Path) -> dict[str, dict[str, float]]:
             f"'{path}' has format '{document.get('format')}', version {document.get('version')}; "
             f"this version reads '{_FORMAT}', version 1. Install the glossspace that wrote it."
         )
-    observers: dict[str, dict[str, float]] = document["observers"]
+    observers: dict[str, dict[str, float]] = document.get("observers", {})
+    if not isinstance(observers, dict) or not all(_is_observer(parameters) for parameters in observers.values()):
+        raise GlossError(
+            f"'{path}' is damaged: each of its observers must have the numbers {', '.join(_PARAMETERS)}. Restore it."
+        )
     return observers
+
+
+def _is_observer(parameters: Any) -> bool:
+    return isinstance(parameters, dict) and all(isinstance(parameters.get(name), int | float) for name in _PARAMETERS)

@@ -331,6 +331,16 @@ def test_simulated_observers(study):
         read_simulated_observers(study)
 
 
+@pytest.mark.parametrize(
+    "observers", [["01"], {"01": 1.7}, {"01": {"ratio": 1.7}}, {"01": PARAMETERS | {"ratio": "x"}}]
+)
+def test_a_damaged_list_of_simulated_observers(tmp_path, observers):
+    document = {"format": "gloss-simulated-observers", "version": 1, "observers": observers}
+    (tmp_path / "simulated_observers.json").write_text(json.dumps(document))
+    with pytest.raises(GlossError, match=r"is damaged: each of its observers must have the numbers weight_c"):
+        read_simulated_observers(tmp_path)
+
+
 def _record_many(folder, first):
     for i in range(first, first + 10):
         record_simulated_observer(folder, f"{i:02d}", PARAMETERS)
