@@ -23,6 +23,8 @@ __all__ = ["AxisWeights", "ConfirmatoryFit", "confirm_axes"]
 
 # Axis ratios from 1/100 to 100, relative to axes of equal spread: beyond, one axis contributes nothing visible.
 _LOG_RANGE = np.log(100.0)
+# Axes whose spread across each other is less than this part of that along them are one axis but for rounding.
+_SAME_DIRECTION = 1e-9
 _COARSE, _FINE = 81, 41
 # With three axes or more: points at which the search looks first, and how many of these it starts from.
 _LOOKED_AT, _STARTED_FROM = 64, 4
@@ -108,8 +110,8 @@ def confirm_axes(
     Raises
     ------
     GlossError
-        Coordinates do not fit the data, are not finite, or an axis is the same for all stimuli; or no participant's
-        judgements can be fitted.
+        Coordinates do not fit the data, are not finite, are the same for all stimuli on an axis, or do not tell the
+        axes apart; or no participant's judgements can be fitted.
 
     Notes
     -----
@@ -124,17 +126,26 @@ def confirm_axes(
         )
     if not np.all(np.isfinite(coordinates)):
         raise GlossError("Coordinates must be finite numbers.")
+    # Halved, so that coordinates at both ends of the floating-point range do not overflow.
+    half = np.ptp(coordinates / 2, axis=0)
     # Not by the standard deviation: that of equal numbers may be a rounding error above 0.
-    flat = [name for name, extent in zip(axes, np.ptp(coordinates, axis=0), strict=True) if extent == 0]
+    flat = [name for name, extent in zip(axes, half, strict=True) if extent == 0]
     if flat:
         raise GlossError(f"All stimuli have the same coordinate on the axis {flat[0]!r}: its weight cannot be known.")
+    # In units of its extent, so that squares neither overflow nor vanish whatever the unit of an axis.
+    unit = (coordinates / 2 - (coordinates / 2).min(axis=0)) / half
+    singular = np.linalg.svd(unit - unit.mean(axis=0), compute_uv=False)
+    if len(singular) < len(axes) or singular[-1] < _SAME_DIRECTION * singular[0]:
+        raise GlossError(
+            f"The axes {', '.join(axes)} are multiples or sums of each other on these stimuli, so that their weights "
+            "cannot be told apart. Leave one out."
+        )
     check_scalable(data, level=level, ties=ties)
-    spread = coordinates.std(axis=0)
 
     remarks = list(data_warnings(data, level=level, ties=ties))
     participants, individual, unseen, unrelated = [], [], [], []
     first, second = data.pairs
-    apart = coordinates[first] != coordinates[second]
+    apart = unit[first] != unit[second]
     for name, row in zip(data.participants, data.values, strict=True):
         if not distinguishes(row):
             continue  # data_warnings names this participant
@@ -143,8 +154,8 @@ def confirm_axes(
             continue
         one = make_problem(Dissimilarities(data.stimuli, (name,), row[np.newaxis]), level=level, ties=ties)
         participants.append(name)
-        individual.append(_fit_weights(one, coordinates, spread))
-        if all_flat(one, source_distances(one, coordinates, individual[-1].weights[np.newaxis])):
+        individual.append(_fit_weights(one, unit, half))
+        if all_flat(one, source_distances(one, unit, individual[-1].weights[np.newaxis] * half / half[0])):
             unrelated.append(name)
     if unseen:
         remarks.append(
@@ -165,7 +176,7 @@ def confirm_axes(
         )
 
     logs = np.log([fit.ratio for fit in individual])
-    shared = _fit_weights(make_problem(data, level=level, ties=ties), coordinates, spread)
+    shared = _fit_weights(make_problem(data, level=level, ties=ties), unit, half)
     return ConfirmatoryFit(
         axes=axes,
         participants=tuple(participants),
@@ -188,13 +199,15 @@ def _t_interval(logs: np.ndarray) -> tuple[float, float] | None:
     return float(np.exp(logs.mean() - half)), float(np.exp(logs.mean() + half))
 
 
-def _fit_weights(problem: Problem, coordinates: np.ndarray, spread: np.ndarray) -> AxisWeights:
-    n_axes = coordinates.shape[1]
+def _fit_weights(problem: Problem, unit: np.ndarray, extent: np.ndarray) -> AxisWeights:
+    """Fit the weights of axes given in units of their `extent`; the result is in their own units."""
+    n_axes = unit.shape[1]
+    spread = unit.std(axis=0)
     equal_spread = np.log(spread[0] / spread)  # log weights, the first 0
 
     def loss(log_weights: np.ndarray) -> float:
         weights = np.broadcast_to(np.exp(log_weights), (problem.n_sources, n_axes))
-        return mean_square_stress(problem, source_distances(problem, coordinates, weights))
+        return mean_square_stress(problem, source_distances(problem, unit, weights))
 
     if n_axes == 1:
         log_weights = np.zeros(1)
@@ -204,9 +217,10 @@ def _fit_weights(problem: Problem, coordinates: np.ndarray, spread: np.ndarray) 
     else:
         free = _lowest_in_box(lambda x: loss(np.concatenate([[0.0], x])), equal_spread[1:])
         log_weights = np.concatenate([[0.0], free])
+    weights = np.exp(log_weights) * (extent[0] / extent)
     return AxisWeights(
-        weights=np.exp(log_weights),
-        ratio=float(np.exp(log_weights[-1] - log_weights[0])),
+        weights=weights,
+        ratio=float(weights[-1]),
         stress1=float(np.sqrt(loss(log_weights))),
         at_bound=bool(np.any(np.abs(log_weights - equal_spread) > 0.999 * _LOG_RANGE)),
     )

@@ -166,6 +166,10 @@ def scale(
         raise GlossError(f"Invalid number of dimensions = {n_dims}. Allowed: 1 to {n - 1} for {n} stimuli.")
     if n_starts < 1:
         raise GlossError(f"Invalid number of starts = {n_starts}. Allowed: 1 or more.")
+    if seed < 0:
+        raise GlossError(f"Invalid seed = {seed}. Allowed: 0 or more.")
+    if n_jobs == 0:
+        raise GlossError("Invalid n_jobs = 0. Allowed: the number of processes, or -1 for one a core.")
     check_scalable(data, level=level, ties=ties)
     problem = make_problem(data, level=level, ties=ties)
     weighted = model == "weighted"

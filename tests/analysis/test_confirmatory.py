@@ -142,3 +142,19 @@ def test_a_constant_observer_is_left_out_and_named(level):
 def test_impossible_coordinates_are_refused(change, message):
     with pytest.raises(GlossError, match=message):
         confirm_axes(judged_by([1.78]), change(axis_values()), axes=AXES)
+
+
+@pytest.mark.parametrize("unit", [1e-200, 1e200])
+def test_the_unit_of_an_axis_changes_its_weight_and_nothing_else(unit):
+    data = judged_by([1.3, 2.2], noise_sd=6, integers=True)
+    plain = confirm_axes(data, axis_values(), axes=AXES)
+    scaled = confirm_axes(data, axis_values() * [1, unit], axes=AXES)
+    # Rounding of the coordinates may move where the search stops on a plateau of the ordinal loss.
+    assert scaled.population_ratio * unit == pytest.approx(plain.population_ratio, rel=1e-6)
+    assert scaled.shared.stress1 == pytest.approx(plain.shared.stress1, rel=1e-6)
+
+
+def test_axes_that_are_multiples_of_each_other_are_refused():
+    c = axis_values()[:, 0]
+    with pytest.raises(GlossError, match="The axes c, d are multiples or sums of each other"):
+        confirm_axes(judged_by([1.78]), np.column_stack([c, 2 * c + 1]), axes=AXES)

@@ -264,6 +264,8 @@ def test_data_that_fix_no_configuration_are_refused(values, message):
     [
         ({"model": "replicated"}, "Invalid model = 'replicated'. Allowed: 'identity', 'weighted'"),
         ({"n_starts": 0}, "Invalid number of starts = 0"),
+        ({"seed": -1}, "Invalid seed = -1"),
+        ({"n_jobs": 0}, "Invalid n_jobs = 0"),
         ({"initial": [np.zeros((3, 2))]}, r"must be finite and of shape \(4, 2\), not \(3, 2\)"),
     ],
 )
