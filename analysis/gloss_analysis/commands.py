@@ -74,6 +74,7 @@ def mds(
 
     wanted = _dimensions(dims)
     data = read_table(table)
+    simulated = _simulated(table, data.participants)
     room = len(data.stimuli) - 1
     if wanted[0] <= room < wanted[-1]:
         note(f"{len(data.stimuli)} stimuli have room for {room} dimensions at most; more of them are left out.")
@@ -91,11 +92,13 @@ def mds(
             n_jobs=jobs or os.cpu_count() or 1,
             on_solution=lambda _: progress.advance(task),
         )
+    _note_simulated(simulated, data.participants)
     if json:
         print_json(
             {
                 "stimuli": data.stimuli,
                 "participants": data.participants,
+                "simulated": simulated,
                 "model": model,
                 "level": level,
                 "ties": ties,
@@ -167,8 +170,10 @@ def confirm(
     from gloss_analysis.dissimilarity import read_table
 
     data = read_table(table)
+    simulated = _simulated(table, data.participants)
     axes, values = _coordinates(coordinates, data.stimuli)
     fitted = confirm_axes(data, values, axes=axes, level=level, ties=ties)
+    _note_simulated(simulated, data.participants)
     if json:
         print_json(
             {
@@ -183,6 +188,7 @@ def confirm(
                     {"participant_id": name, "weights": one.weights, "ratio": one.ratio, "stress1": one.stress1}
                     for name, one in zip(fitted.participants, fitted.individual, strict=True)
                 ],
+                "simulated": simulated,
                 "warnings": fitted.warnings,
             }
         )
@@ -214,8 +220,14 @@ def fit(dataset: Path, /, *, out: Path, stimuli: Path | None = None, json: JsonF
         A CSV file with the columns stimulus, rho_d, rho_s, alpha. By default what the dataset itself recorded.
     """
     from gloss_analysis.dissimilarity import from_table
-    from gloss_analysis.fit import fit_gloss_space
-    from glossspace.dataset import read_dissimilarities, read_magnitudes, read_stimuli, read_stimulus_table, tasks_of
+    from gloss_analysis.fit import fit_gloss_space, labelled_observers
+    from glossspace.dataset import (
+        read_dissimilarities,
+        read_magnitudes,
+        read_stimuli,
+        read_stimulus_table,
+        tasks_of,
+    )
 
     check_file_target(out)
     pairs = from_table(read_dissimilarities(dataset), source=f"The dataset '{dataset}'")
@@ -223,7 +235,15 @@ def fit(dataset: Path, /, *, out: Path, stimuli: Path | None = None, json: JsonF
     rated = [task for task, kind in tasks_of(dataset).items() if kind == "magnitude"]
     studies = {axis: task for axis, task in (("c", "contrast"), ("d", "doi")) if task in rated}
     ratings = {axis: read_magnitudes(dataset, task) for axis, task in studies.items()}
-    fitted = fit_gloss_space(known, pairs, ratings, name=f"fitted to {dataset.resolve().name}")
+    simulated = _simulated(dataset, pairs.participants)
+    fitted = fit_gloss_space(
+        known,
+        pairs,
+        ratings,
+        name=f"fitted to {dataset.resolve().name}",
+        provenance={"observers": labelled_observers(pairs.participants, simulated)},
+    )
+    _note_simulated(simulated, pairs.participants)
     fitted.space.save(out)
     space = fitted.space
     if json:
@@ -234,6 +254,7 @@ def fit(dataset: Path, /, *, out: Path, stimuli: Path | None = None, json: JsonF
                 "weight_d": space.weight_d,
                 "weight_d_ci95": space.weight_d_ci95,
                 "r_squared": {axis: one.r_squared for axis, one in fitted.regressions.items()},
+                "simulated": simulated,
                 "warnings": fitted.confirmatory.warnings,
             }
         )
@@ -281,6 +302,22 @@ def report(
         print_json({"report": str(target), "weight_d": analysis.fit.space.weight_d})
     else:
         print(target)
+
+
+def _simulated(source: Path, participants: tuple[str, ...]) -> list[str]:
+    """Which participants are simulated, as far as a dataset says so; a plain table does not."""
+    from glossspace.dataset import simulated_participants
+
+    known = simulated_participants(source) if source.is_dir() else ()
+    return [name for name in participants if name in known]
+
+
+def _note_simulated(simulated: list[str], participants: tuple[str, ...]) -> None:
+    if simulated:
+        note(
+            f"{len(simulated)} of {len(participants)} participants are simulated. They embody an answer: recovering it "
+            "tests the software, not the paper."
+        )
 
 
 def _dimensions(text: str) -> range:

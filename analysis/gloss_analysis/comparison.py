@@ -30,7 +30,7 @@ def compare_with_paper(analysis: StudyAnalysis, cities: CityMap) -> list[Compari
     simulated = analysis.study.simulated
     embodied = (
         "The simulated observers embody the paper's metric: recovering it tests the software, not the paper."
-        if simulated is not None
+        if analysis.study.simulated_participants
         else "Other observers, other images."
     )
     fit, regressions = analysis.fit.confirmatory, analysis.fit.regressions
@@ -54,7 +54,7 @@ def compare_with_paper(analysis: StudyAnalysis, cities: CityMap) -> list[Compari
             "r² of ratings on d (fig. 7)",
             ".96; polynomials gain less than .01",
             _r_squared(regressions["d"].r_squared, regressions["d"].polynomial_r_squared),
-            embodied + ("" if simulated is None else " Their noise and compression were chosen, not measured."),
+            embodied + (" Their noise and compression were chosen, not measured." if simulated is not None else ""),
             judged=True,
         ),
         Comparison(

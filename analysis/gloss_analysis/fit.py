@@ -1,6 +1,6 @@
 """A gloss space from judgements: the weights by confirmatory MDS, the axis functions by regression of ratings."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,7 @@ from gloss_analysis.magnitude import AxisRegression, mean_ratings, regress_ratin
 from glossspace.errors import GlossError
 from glossspace.metric import AxisFunction, GlossSpace, contrast_gloss, distinctness
 
-__all__ = ["GlossSpaceFit", "axis_coordinates", "fit_gloss_space", "rated_along"]
+__all__ = ["GlossSpaceFit", "axis_coordinates", "fit_gloss_space", "labelled_observers", "rated_along"]
 
 
 @dataclass(frozen=True)
@@ -98,6 +98,23 @@ def fit_gloss_space(
         provenance=dict(provenance or {}) | {"level": level, "ties": ties, "participants": list(pairs.participants)},
     )
     return GlossSpaceFit(space, confirmatory, regressions)
+
+
+def labelled_observers(participants: Sequence[str], simulated: Collection[str]) -> list[str]:
+    """Names for a file's provenance, in which no simulated participant passes for a person.
+
+    Parameters
+    ----------
+    participants : sequence of str
+    simulated : collection of str
+        Those of them, or of others, who are programs.
+
+    Returns
+    -------
+    list of str
+        Each participant, with " (simulated)" behind those that are.
+    """
+    return [f"{name} (simulated)" if name in simulated else name for name in participants]
 
 
 def axis_coordinates(stimuli: pd.DataFrame, names: list[str]) -> pd.DataFrame:

@@ -49,16 +49,15 @@ def write_report(analysis: StudyAnalysis, path: Path) -> None:
     cities, circle = city_map(seed=analysis.seed), colour_circle(seed=analysis.seed)
     environment = Environment(loader=PackageLoader("gloss_analysis"), autoescape=True, undefined=StrictUndefined)
     environment.filters["rendering_summary"] = _rendering_summary
-    simulated = analysis.study.simulated
     participants = analysis.study.pairs.participants
-    simulated_ids = set() if simulated is None else set(simulated["participant_id"])
+    programs = set(analysis.study.simulated_participants)
     write_text(
         path,
         environment.get_template("report.html.j2").render(
             analysis=analysis,
             comparison=compare_with_paper(analysis, cities),
-            simulated=[name for name in participants if name in simulated_ids],
-            human=[name for name in participants if name not in simulated_ids],
+            simulated=[name for name in participants if name in programs],
+            human=[name for name in participants if name not in programs],
             pictures=_pictures(analysis, cities, circle),
             circle=circle,
             cities=cities,
@@ -73,7 +72,7 @@ def write_report(analysis: StudyAnalysis, path: Path) -> None:
 
 def _pictures(analysis: StudyAnalysis, cities: CityMap, circle: ColourCircle) -> dict[str, _Picture]:
     study, fit = analysis.study, analysis.fit
-    simulated = "" if study.simulated is None else " Simulated observers."
+    simulated = " Simulated observers." if study.simulated_participants else ""
     experiment1 = study.sets["experiment1"].table()
     return {
         "map": _svg(figures.draw_city_map(cities), "Map of ten US cities", "Fig. 2: the US map, from Table 1 alone."),

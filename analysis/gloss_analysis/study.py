@@ -17,10 +17,10 @@ import pandas as pd
 
 from gloss_analysis.axes import PropertyVector, matched_dimensions, property_vector, rotation_cost, turned_along
 from gloss_analysis.dissimilarity import Dissimilarities, from_table
-from gloss_analysis.fit import GlossSpaceFit, axis_coordinates, fit_gloss_space, rated_along
+from gloss_analysis.fit import GlossSpaceFit, axis_coordinates, fit_gloss_space, labelled_observers, rated_along
 from gloss_analysis.mds import MdsSolution, scale
 from gloss_analysis.stress_curve import stress_curve
-from glossspace.dataset import read_dissimilarities, read_magnitudes, read_simulated_observers
+from glossspace.dataset import read_dissimilarities, read_magnitudes, read_simulated_observers, simulated_participants
 from glossspace.errors import GlossError
 from glossspace.stimulus_set import StimulusSet, read_stimulus_set
 
@@ -74,8 +74,10 @@ class Study:
     pairs : Dissimilarities
     ratings : mapping of {"c", "d"} to DataFrame
         Magnitude estimates of the contrast and of the distinctness study.
+    simulated_participants : tuple of str
+        Those whose answers a program gave.
     simulated : DataFrame or None
-        True parameters of the simulated participants, where there are any.
+        True parameters of the simulated participants, where they are known.
     """
 
     folder: Path
@@ -83,6 +85,7 @@ class Study:
     stimuli: pd.DataFrame
     pairs: Dissimilarities
     ratings: dict[str, pd.DataFrame]
+    simulated_participants: tuple[str, ...]
     simulated: pd.DataFrame | None
 
 
@@ -163,6 +166,7 @@ def read_study(folder: Path) -> Study:
         stimuli=stimuli,
         pairs=from_table(read_dissimilarities(dataset), source=f"The dataset '{dataset}'"),
         ratings={"c": read_magnitudes(dataset, "contrast"), "d": read_magnitudes(dataset, "doi")},
+        simulated_participants=simulated_participants(dataset),
         simulated=read_simulated_observers(dataset),
     )
 
@@ -228,6 +232,5 @@ def _read_axes(
 
 
 def _provenance(study: Study, seed: int) -> dict[str, object]:
-    simulated = set() if study.simulated is None else set(study.simulated["participant_id"])
-    observers = [f"{name} (simulated)" if name in simulated else name for name in study.pairs.participants]
+    observers = labelled_observers(study.pairs.participants, study.simulated_participants)
     return {"observers": observers, "seed": seed, "stimulus_sets": list(study.sets)}

@@ -14,7 +14,7 @@ The readers check the whole dataset before they return a row of it, so an analys
 from glossspace.dataset.description import update_description
 from glossspace.dataset.lock import locked
 from glossspace.dataset.observers import read_simulated_observers, record_simulated_observer
-from glossspace.dataset.read import read_dissimilarities, read_magnitudes, tasks_of
+from glossspace.dataset.read import read_dissimilarities, read_magnitudes, simulated_participants, tasks_of
 from glossspace.dataset.schema import data_path
 from glossspace.dataset.stimuli import read_stimuli, read_stimulus_table, record_stimuli
 from glossspace.dataset.validate import dataset_problems, validate_dataset
@@ -31,6 +31,7 @@ __all__ = [
     "read_stimulus_table",
     "record_simulated_observer",
     "record_stimuli",
+    "simulated_participants",
     "tasks_of",
     "update_description",
     "validate_dataset",

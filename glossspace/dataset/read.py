@@ -8,7 +8,7 @@ from glossspace.dataset.schema import TaskKind
 from glossspace.dataset.validate import checked_tables
 from glossspace.errors import GlossError
 
-__all__ = ["read_dissimilarities", "read_magnitudes", "tasks_of"]
+__all__ = ["read_dissimilarities", "read_magnitudes", "simulated_participants", "tasks_of"]
 
 
 def read_dissimilarities(folder: str | Path) -> pd.DataFrame:
@@ -111,3 +111,20 @@ def tasks_of(folder: str | Path) -> dict[str, TaskKind]:
     """
     kinds = {row["task"]: kind for table, kind in checked_tables(folder) for _, row in table.rows}
     return dict(sorted(kinds.items()))
+
+
+def simulated_participants(folder: str | Path) -> tuple[str, ...]:
+    """Identifiers of the participants whose rows say that a program answered, sorted.
+
+    Raises
+    ------
+    GlossError
+        The dataset is not whole.
+
+    Examples
+    --------
+    >>> simulated_participants("study")  # doctest: +SKIP
+    ('01', '02')
+    """
+    rows = (row for table, _ in checked_tables(folder) for _, row in table.rows)
+    return tuple(sorted({row["participant_id"] for row in rows if row["observer"] == "simulated"}))

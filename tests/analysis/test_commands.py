@@ -315,3 +315,26 @@ def _redescribe(dataset):
     from glossspace.dataset import update_description
 
     update_description(dataset)
+
+
+@pytest.mark.parametrize("command", ["mds", "confirm", "fit"])
+def test_simulated_participants_are_called_so(gloss, dataset, axes, tmp_path, command):
+    options = {
+        "mds": ["--dims", "2", "--starts", "1"],
+        "confirm": ["--coordinates", axes],
+        "fit": ["--out", tmp_path / "space.json"],
+    }
+    code, out, err = gloss(command, dataset, *options[command], "--json")
+    assert code == 0
+    assert json.loads(out)["simulated"] == ["01", "02"]
+    assert "2 of 2 participants are simulated" in err
+    if command == "fit":
+        space = json.loads((tmp_path / "space.json").read_text("utf-8"))
+        assert space["provenance"]["observers"] == ["01 (simulated)", "02 (simulated)"]
+
+
+def test_people_are_not_called_simulated(gloss, pairs):
+    code, out, err = gloss("mds", pairs, "--dims", "2", "--starts", "1", "--json")
+    assert code == 0
+    assert json.loads(out)["simulated"] == []
+    assert "simulated" not in err
