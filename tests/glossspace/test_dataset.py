@@ -224,9 +224,9 @@ def test_a_broken_file_is_told_where(study, old, new, message):
     with pytest.raises(GlossError, match=message) as error:
         validate_dataset(study)
     assert "\n" not in str(error.value)
-    with pytest.raises(GlossError):
+    with pytest.raises(GlossError, match=message):
         read_dissimilarities(study)
-    with pytest.raises(GlossError):
+    with pytest.raises(GlossError, match=message):
         read_magnitudes(study, "doi")
 
 

@@ -36,15 +36,17 @@ def test_a_library_that_is_none_gives_one_clear_line(tmp_path: Path) -> None:
     assert str(fake) in result.stdout
 
 
-@pytest.mark.parametrize("version", [14, 15, 16])
-def test_a_library_too_old_gives_one_clear_line(version: int) -> None:
-    found = [p for pattern in ("/usr/lib/*/libLLVM-{}.so.1", "/usr/lib/llvm-{}/lib/libLLVM-{}.so.1")
-             for p in Path("/").glob(pattern.replace("{}", str(version))[1:])]  # fmt: skip
+def test_libraries_too_old_give_one_clear_line() -> None:
+    # `make test` brings one on Debian 12: Mesa's drivers, which the window needs, depend on LLVM 15.
+    patterns = ("usr/lib/*/libLLVM-1[456].so.1", "usr/lib/llvm-1[456]/lib/libLLVM-1[456].so.1")
+    found = [path for pattern in patterns for path in Path("/").glob(pattern)]
     if not found:
-        pytest.skip(f"LLVM {version} is not installed")
-    result = run_with_library(str(found[0]))
-    assert result.returncode == 2, result.stderr
-    assert "libllvm19" in result.stdout
+        pytest.skip("no LLVM from 14 to 16 is installed")
+    for library in found:
+        result = run_with_library(str(library))
+        assert result.returncode == 2, result.stderr
+        assert "libllvm19" in result.stdout
+        assert str(library) in result.stdout
 
 
 def test_a_working_library_is_found() -> None:
