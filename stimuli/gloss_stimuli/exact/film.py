@@ -1,0 +1,253 @@
+"""What each pixel sees: weights of the walls' texels, points of the sphere, and the share that the light fills.
+
+A pixel inside a check takes one sample, one inside the sphere's outline a few. A pixel with an edge in it, of a check, of
+the light or of the sphere, is cut by scan lines across that edge; crossings are found by bisection, and each piece of a
+line takes a sample of its own. The map is made once and serves every paint and every α.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+
+from gloss_stimuli.exact.camera import Camera, camera_ray, outline_radius_pixels, seen_on_sphere, sphere_point
+from gloss_stimuli.exact.compiled import compiled, for_rows
+from gloss_stimuli.exact.room import CEILING, Box, Room, cell_at, coordinate, leave_box
+from gloss_stimuli.exact.sphere import sphere_texels
+from gloss_stimuli.exact.textures import texel_at
+
+__all__ = ["FilmMap", "map_film", "sphere_irradiance"]
+
+# Samples across a pixel of the sphere: few inside, more where incidence changes fast.
+INNER_SAMPLES, RIM_SAMPLES = 2, 8
+RIM = 0.97  # sine of incidence where the rim begins
+# Pixels this near the outline are searched for it: half a diagonal, and some more.
+OUTLINE_MARGIN = 0.8
+PROBES, BISECTIONS = 8, 16
+# A corner of checks in a pixel takes this many times the lines of an edge.
+CORNER_LINES = 4
+# Samples towards the outline on each piece of a line: dense there, where incidence goes as a square root.
+OUTLINE_SAMPLES = 4
+
+LIT, ON_SPHERE = 1 << 40, -1
+
+
+@dataclass(frozen=True)
+class FilmMap:
+    """Samples of some pixels of the film, in their order.
+
+    Attributes
+    ----------
+    walls : scipy.sparse matrix, shape (P, C T T)
+        Takes irradiance at wall texels to the walls' luminance: weights times ρ/π.
+    light : array, shape (P,)
+        Share of each pixel that shows the light.
+    sphere_start : array of int, shape (P + 1,)
+        First sphere sample of each pixel.
+    x, y, weight : array, shape (S,)
+        Sphere samples: how each is seen (`gloss_stimuli.exact.camera`), and its share of the pixel.
+    """
+
+    walls: csr_matrix
+    light: NDArray[np.float64]
+    sphere_start: NDArray[np.int64]
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    weight: NDArray[np.float64]
+
+
+def map_film(
+    room: Room, camera: Camera, pixels: NDArray[np.int64], *, texels: int, lines: int
+) -> FilmMap:  # fmt: skip
+    """Samples of `pixels`, row-major indices into the film.
+
+    Parameters
+    ----------
+    texels : int
+        Of a wall texture, along a side of a cell.
+    lines : int
+        Scan lines across a pixel with an edge.
+    """
+    outline = outline_radius_pixels(camera)
+    counts = np.zeros((len(pixels), 2), np.int64)
+    nothing_i, nothing_f = np.zeros((0, 4), np.int32), np.zeros((0, 4))
+    starts = np.zeros((len(pixels) + 1, 2), np.int64)
+    light = np.zeros(len(pixels))
+    common = (room, camera, pixels, texels, lines, outline)
+    for_rows(_film_rows, len(pixels), *common, False, counts, starts, nothing_i, nothing_f, nothing_f, light)
+    np.cumsum(counts, axis=0, out=starts[1:])
+    walls, spheres = starts[-1]
+    columns, data = np.empty((walls, 4), np.int32), np.empty((walls, 4))
+    seen = np.empty((spheres, 3))
+    for_rows(_film_rows, len(pixels), *common, True, counts, starts, columns, data, seen, light)
+    shape = (len(pixels), len(room.cell_wall) * texels**2)
+    matrix = csr_matrix((data.ravel(), columns.ravel(), 4 * starts[:, 0]), shape=shape)
+    return FilmMap(
+        matrix, light, starts[:, 1].copy(), seen[:, 0].copy(), seen[:, 1].copy(), seen[:, 2].copy()
+    )  # fmt: skip
+
+
+def sphere_irradiance(camera: Camera, film: FilmMap, texture: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Irradiance of the sphere averaged over each pixel, shape (P, K), from its texture, shape (T, 2 T, K)."""
+    out = np.zeros((len(film.light), texture.shape[2]))
+    for_rows(_irradiance_rows, len(out), camera, film.sphere_start, film.x, film.y, film.weight, texture, out)
+    return out
+
+
+@compiled
+def _identity(box: Box, camera: Camera, column: float, row: float) -> int:
+    """A number for the surface seen at a place of the film: the sphere, a check, or the light before one."""
+    dx, dy, dz = camera_ray(camera, column, row)
+    sine, _, _ = seen_on_sphere(camera, dx, dy, dz)
+    if sine < 1:
+        return ON_SPHERE
+    wall, x, y, z = leave_box(box, camera.eye[0], camera.eye[1], camera.eye[2], dx, dy, dz)
+    if wall == CEILING and box.light_low[0] < x < box.light_high[0] and box.light_low[1] < z < box.light_high[1]:
+        return LIT
+    axis = wall // 2
+    along_a, along_b = (axis + 1) % 3, (axis + 2) % 3
+    a = int((coordinate(x, y, z, along_a) - box.low[along_a]) / box.check)
+    b = int((coordinate(x, y, z, along_b) - box.low[along_b]) / box.check)
+    return (wall << 30) | (a << 15) | b
+
+
+@compiled
+def _identity_across(box: Box, camera: Camera, across: float, along: float, by_rows: bool) -> int:
+    return _identity(box, camera, along, across) if by_rows else _identity(box, camera, across, along)
+
+
+@compiled
+def _put_wall(
+    box: Box, grid: NDArray[np.float64], reflectance: NDArray[np.float64], camera: Camera, column: float, row: float,
+    weight: float, texels: int, at: int, columns: NDArray[np.int32], data: NDArray[np.float64],
+) -> None:  # fmt: skip
+    dx, dy, dz = camera_ray(camera, column, row)
+    wall, x, y, z = leave_box(box, camera.eye[0], camera.eye[1], camera.eye[2], dx, dy, dz)
+    cell, u, v = cell_at(box, grid, wall, x, y, z)
+    a, fa = texel_at(u, texels)
+    b, fb = texel_at(v, texels)
+    first = (cell * texels + b) * texels + a
+    value = weight * reflectance[cell] / math.pi
+    columns[at, 0], columns[at, 1], columns[at, 2], columns[at, 3] = first, first + 1, first + texels, first + texels + 1
+    data[at, 0], data[at, 1] = value * (1 - fa) * (1 - fb), value * fa * (1 - fb)
+    data[at, 2], data[at, 3] = value * (1 - fa) * fb, value * fa * fb
+
+
+@compiled
+def _put_sphere(
+    camera: Camera, column: float, row: float, weight: float, at: int, seen: NDArray[np.float64]
+) -> None:
+    dx, dy, dz = camera_ray(camera, column, row)
+    sine, c, s = seen_on_sphere(camera, dx, dy, dz)
+    incidence = math.asin(min(sine, 1.0))
+    seen[at, 0], seen[at, 1], seen[at, 2] = incidence * c, incidence * s, weight
+
+
+@compiled
+def _film_rows(
+    start: int, stop: int, room: Room, camera: Camera, pixels: NDArray[np.int64], texels: int, lines: int,
+    outline: float, fill: bool, counts: NDArray[np.int64], starts: NDArray[np.int64], columns: NDArray[np.int32],
+    data: NDArray[np.float64], seen: NDArray[np.float64], light: NDArray[np.float64],
+) -> None:  # fmt: skip
+    """Count the samples of each pixel, or write them where `starts` says."""
+    box, grid, reflectance = room.box, room.grid, room.reflectance
+    cuts, pieces = np.empty(PROBES + 2), np.empty(PROBES + 1, np.int64)
+    for p in range(start, stop):
+        row, column = pixels[p] // camera.width, pixels[p] % camera.width
+        to_wall, to_sphere = starts[p, 0], starts[p, 1]
+        lit = 0.0
+        dx, dy, dz = camera_ray(camera, column + 0.5, row + 0.5)
+        sine, _, _ = seen_on_sphere(camera, dx, dy, dz)
+        middle = _identity(box, camera, column + 0.5, row + 0.5)
+        upper_left, upper_right = _identity(box, camera, column, row), _identity(box, camera, column + 1, row)
+        lower_left, lower_right = _identity(box, camera, column, row + 1), _identity(box, camera, column + 1, row + 1)
+        uniform = middle == upper_left == upper_right == lower_left == lower_right
+        if uniform and abs(sine - 1) * outline >= OUTLINE_MARGIN:
+            if middle == ON_SPHERE:
+                side = INNER_SAMPLES if sine < RIM else RIM_SAMPLES
+                if fill:
+                    for j in range(side):
+                        for i in range(side):
+                            _put_sphere(
+                                camera, column + (i + 0.5) / side, row + (j + 0.5) / side, 1 / (side * side),
+                                to_sphere + j * side + i, seen,
+                            )  # fmt: skip
+                to_sphere += side * side
+            elif middle == LIT:
+                lit = 1.0
+            else:
+                if fill:
+                    _put_wall(box, grid, reflectance, camera, column + 0.5, row + 0.5, 1.0, texels, to_wall, columns, data)
+                to_wall += 1
+        else:
+            changes_x = (upper_left != upper_right) + (lower_left != lower_right)
+            changes_y = (upper_left != lower_left) + (upper_right != lower_right)
+            by_rows = changes_y > changes_x
+            count = lines * CORNER_LINES if changes_x > 0 and changes_y > 0 else lines
+            base, other = (row, column) if by_rows else (column, row)
+            for line in range(count):
+                along = other + (line + 0.5) / count
+                previous, name = float(base), _identity_across(box, camera, base, along, by_rows)
+                cuts[0], pieces[0], n = previous, name, 1
+                for probe in range(1, PROBES + 1):
+                    x = base + probe / PROBES
+                    found = _identity_across(box, camera, x, along, by_rows)
+                    if found != name:
+                        low, high = previous, x
+                        for _ in range(BISECTIONS):
+                            half = 0.5 * (low + high)
+                            if _identity_across(box, camera, half, along, by_rows) == name:
+                                low = half
+                            else:
+                                high = half
+                        cuts[n], pieces[n] = 0.5 * (low + high), found
+                        n += 1
+                    previous, name = x, found
+                cuts[n] = base + 1.0
+                for piece in range(n):
+                    length = cuts[piece + 1] - cuts[piece]
+                    if pieces[piece] == LIT:
+                        lit += length / count
+                    elif pieces[piece] == ON_SPHERE:
+                        outline_before, outline_after = piece > 0, piece < n - 1
+                        for k in range(OUTLINE_SAMPLES):
+                            z = (k + 0.5) / OUTLINE_SAMPLES
+                            x, share = cuts[piece] + length * z, 1.0
+                            if outline_before and not outline_after:
+                                x, share = cuts[piece] + length * z * z, 2 * z
+                            elif outline_after and not outline_before:
+                                x, share = cuts[piece + 1] - length * z * z, 2 * z
+                            weight = share * length / (OUTLINE_SAMPLES * count)
+                            if fill:
+                                _put_sphere(
+                                    camera, along if by_rows else x, x if by_rows else along, weight, to_sphere, seen
+                                )
+                            to_sphere += 1
+                    else:
+                        x = cuts[piece] + 0.5 * length
+                        if fill:
+                            _put_wall(
+                                box, grid, reflectance, camera, along if by_rows else x, x if by_rows else along, length / count, texels,
+                                to_wall, columns, data,
+                            )  # fmt: skip
+                        to_wall += 1
+        counts[p, 0], counts[p, 1] = to_wall - starts[p, 0], to_sphere - starts[p, 1]
+        light[p] = lit
+
+
+@compiled
+def _irradiance_rows(
+    start: int, stop: int, camera: Camera, first: NDArray[np.int64], x: NDArray[np.float64], y: NDArray[np.float64],
+    weight: NDArray[np.float64], texture: NDArray[np.float64], out: NDArray[np.float64],
+) -> None:  # fmt: skip
+    rows = texture.shape[0]
+    for p in range(start, stop):
+        for k in range(first[p], first[p + 1]):
+            _, _, _, nx, ny, nz, _, _, _ = sphere_point(camera, x[k], y[k])
+            row, left, right, fu, fv = sphere_texels(nx, ny, nz, rows)
+            for q in range(texture.shape[2]):
+                upper = (1 - fv) * texture[row, left, q] + fv * texture[row, right, q]
+                lower = (1 - fv) * texture[row + 1, left, q] + fv * texture[row + 1, right, q]
+                out[p, q] += weight[k] * ((1 - fu) * upper + fu * lower)

@@ -1,0 +1,55 @@
+"""Which scenes the exact renderer holds for; anything else is better traced."""
+
+from gloss_stimuli.exact.levels import LEVELS
+from gloss_stimuli.exact.room import build_room
+from gloss_stimuli.scene import Scene
+
+__all__ = ["why_not_exact"]
+
+# Unknowns of the walls: their exchange matrix takes four bytes for each pair.
+MOST_NODES = 10_000
+# The sphere's nearest wall, in radii, below which what it hides is no longer smooth on any affordable grid.
+SMALLEST_GAP = 0.1
+# Distance of the light from the walls beside it, in checks.
+LIGHT_MARGIN = 0.2
+# Opposite walls must be this many checks apart: cells that face each other are summed as points.
+NARROWEST = 1.5
+# Mean reflectance of the checks above which reflections die away too slowly to be summed.
+BRIGHTEST = 0.95
+
+
+def why_not_exact(scene: Scene) -> str | None:
+    """Reason why a scene is beyond the exact renderer, or None if it is not.
+
+    Examples
+    --------
+    >>> from gloss_stimuli.scene import read_scene
+    >>> why_not_exact(read_scene()) is None
+    True
+    """
+    box, sphere, light = scene.box, scene.sphere, scene.light
+    gaps = [
+        min(center - low, high - center) - sphere.radius
+        for center, low, high in zip(sphere.center, box.minimum, box.maximum, strict=True)
+    ]
+    if min(gaps) < SMALLEST_GAP * sphere.radius:
+        return f"the sphere is {min(gaps):g} from a wall, nearer than {SMALLEST_GAP:g} of its radius"
+    extent = min(high - low for low, high in zip(box.minimum, box.maximum, strict=True))
+    if extent < NARROWEST * box.check_size:
+        return f"the box is only {extent / box.check_size:.3g} checks wide, fewer than {NARROWEST:g}"
+    beside = min(
+        min(center - size / 2 - low, high - center - size / 2)
+        for center, size, low, high in zip(
+            light.center_xz, light.size_xz, box.minimum[::2], box.maximum[::2], strict=True
+        )
+    )
+    if beside < LIGHT_MARGIN * box.check_size:
+        return f"the light is {beside:g} from a wall, nearer than {LIGHT_MARGIN:g} of a check"
+    mean = (box.dark_reflectance + box.light_reflectance) / 2
+    if mean > BRIGHTEST:
+        return f"the checks reflect {mean:g} of the light on average, more than {BRIGHTEST:g}"
+    level = LEVELS[2]
+    nodes = len(build_room(scene, width_over_gap=level.width_over_gap).cell_wall) * level.nodes**2
+    if nodes > MOST_NODES:
+        return f"its walls have {nodes} unknowns, more than {MOST_NODES}: the checks are too small for the box"
+    return None
