@@ -1,6 +1,6 @@
 """How far an image may be from the truth, in 8-bit code values, from the scatter of independent randomisations."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,49 +14,60 @@ __all__ = ["CodeError", "code_error"]
 QUANTILES = 8192
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class CodeError:
-    """Estimated distribution over the pixels of the error before rounding to code values.
+    """Estimated distribution over the pixels of the error, in code values before rounding.
 
     Attributes
     ----------
-    median, percentile_99, percentile_99_9 : float
-        Error, in code values, that 50, 99 and 99.9 % of the pixels stay below.
-    fraction_within_half_code : float
-        Share of the pixels that are within half a code value of the truth.
+    sigmas : array, shape (Q,)
+        Standard deviations of the error, each of an equal share of the pixels, ascending.
+    shares : array, shape (Q,)
+        The share of the pixels that each stands for; they add to 1.
     """
 
-    median: float
-    percentile_99: float
-    percentile_99_9: float
-    fraction_within_half_code: float
+    sigmas: NDArray[np.float64]
+    shares: NDArray[np.float64]
+
+    def within(self, limit: float) -> float:
+        """Fraction of the pixels whose error is expected to stay below `limit` code values."""
+        from scipy.special import erf
+
+        return float(self.shares @ erf(limit / (np.sqrt(2) * self.sigmas)))
+
+    def percentile(self, fraction: float) -> float:
+        """Error, in code values, that this fraction of the pixels is expected to stay below."""
+        from scipy.optimize import brentq
+
+        return float(brentq(lambda limit: self.within(limit) - fraction, 0.0, 10 * self.sigmas[-1], xtol=1e-6))
 
     def to_dict(self) -> dict[str, float]:
-        """As JSON takes it, rounded to what an estimate can know."""
-        return {key: float(f"{value:.4g}") for key, value in asdict(self).items()}
+        """The figures of a manifest, rounded to what an estimate can know."""
+        figures = {
+            "median": self.percentile(0.5),
+            "percentile_99": self.percentile(0.99),
+            "percentile_99_9": self.percentile(0.999),
+            "fraction_within_half_code": self.within(0.5),
+        }
+        return {key: float(f"{value:.4g}") for key, value in figures.items()}
 
 
 def code_error(
-    luminance: NDArray[np.float64], variance: NDArray[np.float64], *, tone: ToneCurve, display: DisplayModel
+    luminance: NDArray[np.float64], spread: NDArray[np.float64], *, tone: ToneCurve, display: DisplayModel
 ) -> CodeError:
     """Error estimate of an image.
 
     Each pixel's error is taken as normal with the variance of its 3 × 3 neighbourhood: a handful of randomisations
-    know a single pixel's variance badly, and it changes slowly. Path tracing has heavier tails than the normal law:
-    between renderings with other seeds the median and 99 % agree with the estimate, 99.9 % lies about a tenth above it.
+    know a single pixel's variance badly, and it changes slowly.
 
     Parameters
     ----------
-    luminance, variance : array, shape (H, W)
-        Scene luminance (cd/m²) and the variance of its error.
+    luminance, spread : array, shape (H, W)
+        Scene luminance and the standard deviation of its error (cd/m²). The sign of `spread` is of no account.
     tone, display
         What turns it into code values.
     """
     from scipy.ndimage import uniform_filter
-    from scipy.optimize import brentq
-    from scipy.special import erf
-
-    spread = np.sqrt(variance)
 
     def codes(value: NDArray[np.float64]) -> NDArray[np.float64]:
         return display.exact_codes(display.white_cd_m2 * tone(np.maximum(value, 0.0)))
@@ -67,18 +78,7 @@ def code_error(
     sigma = np.sqrt(np.maximum(uniform_filter(sigma**2, 3, mode="nearest"), 0.0))
     ordered = np.sort(sigma, axis=None)
     edges = np.linspace(0, ordered.size, min(QUANTILES, ordered.size) + 1).astype(int)
-    # The mean of each equal share, at least 1e-9 codes so that a noiseless image divides by something.
-    shares = np.maximum(np.add.reduceat(ordered, edges[:-1]) / np.diff(edges), 1e-9)
-
-    def within(limit: float) -> float:
-        return float(np.average(erf(limit / (np.sqrt(2) * shares)), weights=np.diff(edges)))
-
-    def percentile(fraction: float) -> float:
-        return float(brentq(lambda limit: within(limit) - fraction, 0.0, 10 * shares[-1], xtol=1e-9))
-
-    return CodeError(
-        median=percentile(0.5),
-        percentile_99=percentile(0.99),
-        percentile_99_9=percentile(0.999),
-        fraction_within_half_code=within(0.5),
-    )
+    counts = np.diff(edges)
+    # At least 1e-9 codes, so that a noiseless image divides by something.
+    sigmas = np.maximum(np.add.reduceat(ordered, edges[:-1]) / counts, 1e-9)
+    return CodeError(sigmas, counts / ordered.size)

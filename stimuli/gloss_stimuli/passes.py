@@ -1,40 +1,24 @@
 """Coefficient passes and their cache: stimuli of a scene share the diffuse pass, those of one α the specular one."""
 
 import hashlib
-import json
 import math
 import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gloss_stimuli.coefficients import COVARIANCE_TERMS, Coefficients, average
-from gloss_stimuli.quality import Quality
+from gloss_stimuli.content_key import content_key
 from gloss_stimuli.scene import Scene
 from gloss_stimuli.tracer import diffuse_exponents, specular_exponents, trace_pass
 from gloss_stimuli.variant import use_llvm
-from glossspace.files import sha256_of, whole_file
+from glossspace.files import whole_file
 
-__all__ = ["METHOD", "PassPlan", "content_key", "sphere_pixels"]
-
-METHOD = "coefficient path tracing"
-
-
-def content_key(*sources: str, **content: Any) -> str:
-    """Hash of everything that determines a result: the values given, and the code of the named modules."""
-    document = json.dumps([content, [_source_hash(name) for name in sources]], sort_keys=True, allow_nan=False)
-    return hashlib.sha256(document.encode()).hexdigest()
-
-
-@lru_cache
-def _source_hash(module: str) -> str:
-    return sha256_of(Path(__file__).parent / f"{module}.py")
+__all__ = ["PassPlan", "sphere_pixels"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,33 +29,35 @@ class PassPlan:
     ----------
     scene : Scene
         Only its geometry, light and camera matter here.
-    size : int
-        Width and height of the image in pixels.
-    quality : Quality
-        Number of samples.
+    randomisations : int
+        Independent repetitions; their scatter is the error estimate.
     seed : int
         Same seed, same bits.
     cache : Path
         Folder of finished passes.
+    diffuse_samples : int
+        Paths a pixel and repetition in the diffuse pass, which all stimuli share; a power of two.
+    sphere_samples, wall_samples : int
+        The same in a specular pass, for pixels on and off the sphere.
     """
 
     scene: Scene
-    size: int
-    quality: Quality
+    randomisations: int
     seed: int
     cache: Path
+    diffuse_samples: int = 256
+    sphere_samples: int = 64
+    wall_samples: int = 16
 
     def key(self, alpha: float | None) -> str:
         """Hash of everything that determines the coefficients of the pass for `alpha` (None: the diffuse pass)."""
-        quality = self.quality
-        samples = [quality.diffuse_samples] if alpha is None else [quality.sphere_samples, quality.wall_samples]
+        samples = [self.diffuse_samples] if alpha is None else [self.sphere_samples, self.wall_samples]
         geometry = self.scene.geometry()
         if alpha is None:
             geometry["sphere"].pop("lobe")
         return content_key(
             "tracer", "lattice", "ward_lobe", "coefficients", "passes",
-            geometry=geometry, size=self.size, seed=self.seed, alpha=alpha, samples=samples,
-            randomisations=quality.randomisations, mitsuba=version("mitsuba"), drjit=version("drjit"),
+            geometry=geometry, seed=self.seed, alpha=alpha, samples=samples, randomisations=self.randomisations, mitsuba=version("mitsuba"), drjit=version("drjit"),
         )  # fmt: skip
 
     def is_cached(self, alpha: float | None) -> bool:
@@ -90,7 +76,7 @@ class PassPlan:
         """
         cached = self._load(alpha)
         if cached is not None:
-            for _ in range(self.quality.randomisations):
+            for _ in range(self.randomisations):
                 step()
             return cached
         use_llvm()
@@ -100,24 +86,21 @@ class PassPlan:
         return traced
 
     def _randomisations(self, alpha: float | None, step: Callable[[], None]) -> Iterator[NDArray[np.float32]]:
-        on_sphere = sphere_pixels(self.scene, self.size)
+        on_sphere = sphere_pixels(self.scene)
         everywhere = np.ones_like(on_sphere)
-        quality = self.quality
         regions = (
-            [(everywhere, quality.diffuse_samples)]
+            [(everywhere, self.diffuse_samples)]
             if alpha is None
-            else [(on_sphere, quality.sphere_samples), (~on_sphere, quality.wall_samples)]
+            else [(on_sphere, self.sphere_samples), (~on_sphere, self.wall_samples)]
         )
-        for index in range(quality.randomisations):
+        for index in range(self.randomisations):
             # Every α takes the same random numbers: noise that stimuli share does not tell them apart.
             seed = _child_seed(self.seed, "diffuse" if alpha is None else "specular", index)
-            image = np.empty((len(self._exponents(alpha)), self.size**2), dtype=np.float32)
+            image = np.empty((len(self._exponents(alpha)), on_sphere.size), dtype=np.float32)
             for region, samples in regions:
                 pixels = np.flatnonzero(region).astype(np.uint32)
                 if pixels.size:
-                    image[:, pixels] = trace_pass(
-                        self.scene, pixels, size=self.size, samples=samples, seed=seed, alpha=alpha
-                    )
+                    image[:, pixels] = trace_pass(self.scene, pixels, samples=samples, seed=seed, alpha=alpha)
             step()
             yield image
 
@@ -136,24 +119,26 @@ class PassPlan:
                 mean, covariance = stored["mean"], stored["covariance"]
         except (OSError, KeyError, ValueError, zipfile.BadZipFile):
             return None  # absent or damaged: it is made again
-        pixels = self.size**2
+        pixels = self.scene.film.width * self.scene.film.height
         if mean.shape != (len(exponents), pixels) or covariance.shape != (terms * (terms + 1) // 2, pixels):
             return None
         return Coefficients(exponents, mean, covariance)
 
 
-def sphere_pixels(scene: Scene, size: int) -> NDArray[np.bool_]:
-    """Pixels (shape (size², ), row-major) that the sphere's outline touches or fills; never one too few."""
+def sphere_pixels(scene: Scene) -> NDArray[np.bool_]:
+    """Pixels (shape (H W,), row-major) that the sphere's outline touches or fills; never one too few."""
     right, up, forward = (np.array(axis) for axis in scene.camera.axes())
+    width, height = scene.film.width, scene.film.height
     half_width = math.tan(math.radians(scene.camera.field_of_view_deg) / 2)
-    offsets = ((np.arange(size) + 0.5) * 2 / size - 1) * half_width
-    rays = forward + offsets[None, :, None] * right - offsets[:, None, None] * up
+    across = (2 * np.arange(width) + 1 - width) / width * half_width
+    down = (2 * np.arange(height) + 1 - height) / width * half_width
+    rays = forward + across[None, :, None] * right - down[:, None, None] * up
     rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
     to_sphere = np.subtract(scene.sphere.center, scene.camera.position)
     distance = float(np.linalg.norm(to_sphere))
     angle = np.arccos(np.clip(rays @ (to_sphere / distance), -1, 1))
     # Half a pixel's diagonal is at most this angle, since tangent-plane lengths only shrink when seen from the eye.
-    margin = math.sqrt(2) * half_width / size
+    margin = math.sqrt(2) * half_width / width
     return (angle <= math.asin(scene.sphere.radius / distance) + margin).ravel()
 
 

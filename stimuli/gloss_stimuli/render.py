@@ -1,34 +1,34 @@
 """The set renderer: from the name of a set to a folder of images with its manifest, resumable at every stimulus."""
 
-import shutil
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gloss_stimuli.code_error import CodeError, code_error
+from gloss_stimuli.cache import cache_folder, trim_cache
 from gloss_stimuli.composite import write_composite
+from gloss_stimuli.content_key import content_key
 from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.images import write_codes, write_luminance
-from gloss_stimuli.passes import METHOD, PassPlan, content_key
-from gloss_stimuli.quality import find_quality
-from gloss_stimuli.scene import Scene, read_scene
+from gloss_stimuli.measurements import COLUMNS, FILE_NAME, find_patches, measure, write_measurements
+from gloss_stimuli.method import Method, choose_renderer
+from gloss_stimuli.mirrored_checks import PatchGeometry
+from gloss_stimuli.renderer import Renderer, Rendering
+from gloss_stimuli.scene import Film, Scene
+from gloss_stimuli.scene_file import read_any_scene
+from gloss_stimuli.set_manifest import set_manifest
 from gloss_stimuli.sets import StimulusList, read_stimulus_list
+from gloss_stimuli.target import DEFAULT_TARGET, ErrorTarget, find_target
 from gloss_stimuli.tone import ToneCurve, solve_tone_curve
+from gloss_stimuli.user_scene import UserScene
 from glossspace.console import note, progress_bar
 from glossspace.errors import GlossError
 from glossspace.files import check_folder_target, read_json, sha256_of, write_json
 from glossspace.stimulus_set import MANIFEST_NAME, Stimulus, StimulusSet, read_stimulus_set, write_manifest
 
-__all__ = ["check_rendering", "display_model", "render_set", "tone_curve"]
+__all__ = ["check_rendering", "render_set", "tone_curve"]
 
-# The error a rendering aims at, in code values, on this share of the pixels of every image.
-TARGET_CODE_ERROR = 0.5
-TARGET_FRACTION = 0.999
-
-SMALLEST_SIZE, LARGEST_SIZE = 2, 4096
 LARGEST_SEED = 2**32 - 1
 
 
@@ -36,8 +36,12 @@ def render_set(
     source: str | Path,
     out: str | Path,
     *,
-    size: int = 512,
-    quality: str = "draft",
+    size: str | int | None = None,
+    quality: str = DEFAULT_TARGET,
+    max_code_error: float | None = None,
+    fraction: float | None = None,
+    method: Method = "auto",
+    samples_per_pixel: int | None = None,
     seed: int = 1,
     cache: str | Path | None = None,
     scene: str | Path | None = None,
@@ -47,17 +51,26 @@ def render_set(
     Parameters
     ----------
     source : str or path
-        ``experiment1``, ``contrast``, ``doi``, or a CSV or TOML file: see `gloss_stimuli.sets.read_stimulus_list`.
+        ``experiment1``, ``contrast``, ``contrast30``, ``doi``, or a CSV or TOML file: see
+        `gloss_stimuli.sets.read_stimulus_list`.
     out : path
-        The folder to fill: ``images/*.png``, ``luminance/*.exr``, ``manifest.json`` and ``composite.png``.
-    size : int, optional
-        Width and height in pixels; even, so that a screen can center the image without resampling it.
+        The folder to fill: ``images/*.png``, ``luminance/*.exr``, ``manifest.json``, ``measurements.csv`` and
+        ``composite.png``.
+    size : int or str, optional
+        Width and height in pixels, such as 512 or ``640x480``; even, so that a screen can center the image without
+        resampling it. Default: the scene's film.
     quality : str, optional
-        ``draft`` or ``exact``.
+        ``exact`` (half a code value on 99.9 % of the pixels) or ``draft`` (two on 99 %): names of two error targets.
+    max_code_error, fraction : float, optional
+        Another target: the error in 8-bit code values, and the share of the pixels of every image that stay within it.
+    method : {"auto", "exact", "coefficients", "path"}, optional
+        See `gloss_stimuli.method`.
+    samples_per_pixel : int, optional
+        For ``path`` alone: samples to take, whatever the error.
     seed : int, optional
         Same seed, same bits, whatever the number of threads.
     cache : path, optional
-        Folder of coefficient passes, to be shared between sets. Without one they live in `out` until the set is done.
+        Folder of what stimuli and sets share. Default: the user's cache folder; see `gloss_stimuli.cache`.
     scene : path, optional
         TOML file of the scene, or the name of a shipped one.
 
@@ -69,7 +82,7 @@ def render_set(
     Raises
     ------
     GlossError
-        The set, the scene, the size, the quality or the seed is not valid, or no usable LLVM was found.
+        The set, the scene, the size, the target, the method or the seed is not valid, or a renderer lacks what it needs.
 
     Examples
     --------
@@ -77,30 +90,34 @@ def render_set(
     """
     out = Path(out)
     check_rendering(out, size=size, seed=seed)
-    if cache is not None:
-        check_folder_target(cache)
     wanted = read_stimulus_list(source)
-    resolved = read_scene(scene)
-    own_cache = out / ".coefficients"
-    plan = PassPlan(
-        scene=resolved,
-        size=size,
-        quality=find_quality(quality),
-        seed=seed,
-        cache=own_cache if cache is None else Path(cache),
-    )
-    job = _Job(plan, out, tone_curve(resolved), display_model(resolved))
-    entries = _render_missing(job, wanted)
-    write_manifest(out, _manifest(job, wanted, entries))
+    resolved = read_any_scene(scene)
+    if size is not None:
+        resolved = resolved.with_film(Film.parse(size))
+    target = find_target(quality, max_code_error=max_code_error, fraction=fraction)
+    tone, display = tone_curve(resolved), resolved.display.model()
+    folder = cache_folder(cache, out=out)
+    renderer, reason = choose_renderer(
+        resolved, method=method, target=target, tone=tone, display=display, seed=seed, cache=folder,
+        samples_per_pixel=samples_per_pixel,
+    )  # fmt: skip
+    job = _Job(resolved, renderer, reason, target, tone, display, out)
+    finished = _render_missing(job, wanted)
+    write_measurements(out / FILE_NAME, [finished[stimulus.name]["measurements"] for stimulus in wanted.stimuli])
+    entries = [finished[stimulus.name]["entry"] for stimulus in wanted.stimuli]
+    manifest = set_manifest(
+        wanted, resolved, entries, renderer=renderer, reason=reason, target=target, tone=tone, display=display,
+        patches=job.patches, measurements_sha256=sha256_of(out / FILE_NAME),
+    )  # fmt: skip
+    write_manifest(out, manifest)
     rendered = read_stimulus_set(out)
     write_composite(rendered, out / "composite.png")
-    if cache is None:
-        shutil.rmtree(own_cache, ignore_errors=True)
-    _say_error(wanted, entries)
+    trim_cache(folder)
+    _say_error(job, wanted, entries)
     return rendered
 
 
-def check_rendering(out: str | Path, *, size: int, seed: int) -> None:
+def check_rendering(out: str | Path, *, size: str | int | None, seed: int) -> None:
     """Refuse, before anything is done, what `render_set` would refuse.
 
     Raises
@@ -108,8 +125,8 @@ def check_rendering(out: str | Path, *, size: int, seed: int) -> None:
     GlossError
         The folder cannot be written to, or the size or the seed is not allowed.
     """
-    if isinstance(size, bool) or not isinstance(size, int) or not SMALLEST_SIZE <= size <= LARGEST_SIZE or size % 2:
-        raise GlossError(f"The size must be an even number from {SMALLEST_SIZE} to {LARGEST_SIZE}, but is {size}.")
+    if size is not None:
+        Film.parse(size)
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
         raise GlossError(f"The seed must be a whole number from 0 to {LARGEST_SEED}, but is {seed}.")
     if Path(out).is_file():
@@ -117,7 +134,7 @@ def check_rendering(out: str | Path, *, size: int, seed: int) -> None:
     check_folder_target(out)
 
 
-def tone_curve(scene: Scene) -> ToneCurve:
+def tone_curve(scene: Scene | UserScene) -> ToneCurve:
     """The scene's tone curve: one for every stimulus, so that they stay comparable."""
     tone = scene.tone
     return solve_tone_curve(
@@ -125,93 +142,87 @@ def tone_curve(scene: Scene) -> ToneCurve:
         minimum=tone.minimum_luminance_cd_m2,
         maximum=tone.maximum_luminance_cd_m2,
         slope=tone.slope,
-        contrast=display_model(scene).contrast,
+        contrast=scene.display.model().contrast,
     )
-
-
-def display_model(scene: Scene) -> DisplayModel:
-    """The display that the scene file describes."""
-    display = scene.display
-    return DisplayModel(black_cd_m2=display.black_cd_m2, white_cd_m2=display.white_cd_m2, gamma=display.gamma)
 
 
 @dataclass(frozen=True)
 class _Job:
     """What the stimuli of one rendering share."""
 
-    plan: PassPlan
-    out: Path
+    scene: Scene | UserScene
+    renderer: Renderer
+    reason: str
+    target: ErrorTarget
     tone: ToneCurve
     display: DisplayModel
+    out: Path
 
-    def passes(self, stimulus: Stimulus) -> tuple[float | None, ...]:
-        """The passes a stimulus is made of; without a specular term its α is not seen."""
-        return (None, stimulus.alpha) if stimulus.rho_s > 0 else (None,)
+    @property
+    def patches(self) -> PatchGeometry | None:
+        """Where the picture is measured; a scene of the user's own has no checks to measure."""
+        return find_patches(self.scene) if isinstance(self.scene, Scene) else None
 
     def key(self, stimulus: Stimulus) -> str:
         """Hash of everything that determines the files of a stimulus."""
         return content_key(
-            "tone", "display", "images", "code_error", "render",
-            passes=[self.plan.key(alpha) for alpha in self.passes(stimulus)],
-            stimulus=asdict(stimulus), tone=self.tone.to_dict(), display=self.display.to_dict(),
+            "tone", "display", "luminance_table", "images", "code_error", "render", "measurements", "mirrored_checks",
+            "mirror", "edge_width",
+            luminance=self.renderer.key(stimulus), target=self.target.to_dict(), stimulus=asdict(stimulus),
+            tone=self.tone.to_dict(), display=self.display.to_dict(),
         )  # fmt: skip
 
     def record_path(self, stimulus: Stimulus) -> Path:
         return self.out / "finished" / f"{stimulus.name}.json"
 
-    def finished_entry(self, stimulus: Stimulus) -> dict[str, Any] | None:
-        """Manifest entry of a stimulus whose files are there and up to date, else None."""
+    def finished(self, stimulus: Stimulus) -> dict[str, Any] | None:
+        """Manifest entry and measurements of a stimulus whose files are there and up to date, else None."""
         path = self.record_path(stimulus)
         if not path.is_file():
             return None
         try:
             record = read_json(path, what="record of a finished stimulus")
-            entry: dict[str, Any] = record["entry"]
-            if record["key"] != self.key(stimulus):
+            entry = record["entry"]
+            if record["key"] != self.key(stimulus) or set(record["measurements"]) != set(COLUMNS):
                 return None
-            hashes = {kind: sha256_of(self.out / entry[kind]) for kind in ("image", "luminance")}
-        except (GlossError, KeyError, OSError):
+            hashes = {kind: sha256_of(self.out / entry[kind]) for kind in entry["sha256"]}
+        except (GlossError, KeyError, TypeError, OSError):
             return None  # damaged or incomplete: it is made again
-        return entry if hashes == entry["sha256"] else None
+        return record if hashes == entry["sha256"] else None
 
 
-def _render_missing(job: _Job, wanted: StimulusList) -> list[dict[str, Any]]:
-    finished = {stimulus.name: job.finished_entry(stimulus) for stimulus in wanted.stimuli}
+def _render_missing(job: _Job, wanted: StimulusList) -> dict[str, dict[str, Any]]:
+    finished = {stimulus.name: job.finished(stimulus) for stimulus in wanted.stimuli}
     missing = [stimulus for stimulus in wanted.stimuli if finished[stimulus.name] is None]
     if missing:
         # The images are about to differ from what an older manifest says of them.
         (job.out / MANIFEST_NAME).unlink(missing_ok=True)
-        alphas = sorted({stimulus.alpha for stimulus in missing if stimulus.rho_s > 0})
+        patches = job.patches
         with progress_bar() as progress:
-            steps = job.plan.quality.randomisations * (1 + len(alphas)) + len(missing)
-            task = progress.add_task(f"Rendering {wanted.name}", total=steps)
+            total = job.renderer.steps(missing)
+            task = progress.add_task(f"Rendering {wanted.name} ({job.renderer.method})", total=total)
 
-            def step() -> None:
-                progress.advance(task)
+            def step(*, more: int = 0) -> None:
+                nonlocal total
+                total += more
+                progress.update(task, advance=1, total=total)
 
-            diffuse = job.plan.coefficients(None, step=step)
-            # Ordered by α, so that memory holds the coefficients of one at a time.
-            for alpha in [None, *alphas]:
-                specular = None if alpha is None else job.plan.coefficients(alpha, step=step)
-                for stimulus in missing:
-                    if job.passes(stimulus)[-1] == alpha:
-                        passes = [diffuse] if specular is None else [diffuse, specular]
-                        finished[stimulus.name] = _render_stimulus(job, stimulus, passes)
-                        step()
-    return [entry for entry in finished.values() if entry is not None]
+            for rendering in job.renderer.render(missing, step=step):
+                finished[rendering.stimulus.name] = _write_stimulus(job, rendering, patches)
+    return {name: record for name, record in finished.items() if record is not None}
 
 
-def _render_stimulus(job: _Job, stimulus: Stimulus, passes: list[Any]) -> dict[str, Any]:
-    shape = (job.plan.size, job.plan.size)
-    luminance = sum(part.luminance(stimulus.rho_d, stimulus.rho_s) for part in passes).reshape(shape)
-    # The passes draw independent numbers, so their variances add.
-    variance = sum(part.variance(stimulus.rho_d, stimulus.rho_s) for part in passes).reshape(shape)
-    image, exr = f"images/{stimulus.name}.png", f"luminance/{stimulus.name}.exr"
+def _write_stimulus(job: _Job, rendering: Rendering, patches: PatchGeometry | None) -> dict[str, Any]:
+    stimulus = rendering.stimulus
     # What is displayed is what the float32 file holds, so that the one can be checked against the other.
-    luminance = luminance.astype(np.float32).astype(np.float64)
-    write_luminance(job.out / exr, luminance)
-    write_codes(job.out / image, job.display.codes(job.display.white_cd_m2 * job.tone(luminance)))
-    error = code_error(luminance, variance, tone=job.tone, display=job.display)
+    luminance = rendering.luminance.astype(np.float32).astype(np.float64)
+    files = {"image": f"images/{stimulus.name}.png", "luminance": f"luminance/{stimulus.name}.exr"}
+    write_luminance(job.out / files["luminance"], luminance)
+    shown = job.display.white_cd_m2 * job.tone(luminance)
+    write_codes(job.out / files["image"], job.display.codes(shown, bits=8))
+    if job.display.bits > 8:
+        files["image_high_bit"] = f"images-{job.display.bits}-bit/{stimulus.name}.png"
+        write_codes(job.out / files["image_high_bit"], job.display.codes(shown))
     entry = {
         "name": stimulus.name,
         "rho_d": stimulus.rho_d,
@@ -220,68 +231,39 @@ def _render_stimulus(job: _Job, stimulus: Stimulus, passes: list[Any]) -> dict[s
         "c": stimulus.c,
         "d": stimulus.d,
         "lightness": stimulus.lightness,
-        "image": image,
-        "luminance": exr,
-        "sha256": {"image": sha256_of(job.out / image), "luminance": sha256_of(job.out / exr)},
-        "error_estimate": {**error.to_dict(), "reached_target": _reaches_target(error)},
+        **files,
+        "sha256": {kind: sha256_of(job.out / file) for kind, file in files.items()},
+        "error_estimate": {
+            **rendering.error.to_dict(),
+            "fraction_within_target": float(f"{rendering.error.within(job.target.max_code_error):.6f}"),
+            "reached_target": job.target.is_reached(rendering.error),
+        },
+        "rendering": rendering.details,
         "clipped_pixels": job.tone.clipped(luminance),
     }
+    measurements = measure(
+        patches, stimulus, luminance, rendering.white_luminance, tone=job.tone, display=job.display
+    )  # fmt: skip
+    record = {"key": job.key(stimulus), "entry": entry, "measurements": measurements}
     # Last, since this record is what says that the stimulus is finished.
-    write_json(job.record_path(stimulus), {"key": job.key(stimulus), "entry": entry})
-    return entry
+    write_json(job.record_path(stimulus), record)
+    return record
 
 
-def _reaches_target(error: CodeError) -> bool:
-    return error.percentile_99_9 <= TARGET_CODE_ERROR
-
-
-def _manifest(job: _Job, wanted: StimulusList, entries: list[dict[str, Any]]) -> dict[str, Any]:
-    scene, plan = job.plan.scene, job.plan
-    quality = asdict(plan.quality)
-    return {
-        "name": wanted.name,
-        "title": wanted.title,
-        "image": {"width": plan.size, "height": plan.size, "bits": 8, "encoding": "display code values"},
-        "luminance": {"unit": "cd/m2", "channel": "Y", "type": "float32", "relation": "linear, of the scene"},
-        "viewing": {
-            "distance_cm": scene.viewing.distance_cm,
-            "image_width_deg": scene.viewing.image_width_deg,
-            "image_width_cm": scene.viewing.image_width_cm,
-        },
-        "display": job.display.to_dict(),
-        "tone_curve": job.tone.to_dict(),
-        "rendering": {
-            "method": METHOD,
-            "quality": quality.pop("name"),
-            "seed": plan.seed,
-            **quality,
-            "samples_per_pixel": {
-                name.removesuffix("_samples"): count * plan.quality.randomisations
-                for name, count in quality.items()
-                if name.endswith("_samples")
-            },
-            "target": {"code_error": TARGET_CODE_ERROR, "fraction": TARGET_FRACTION},
-            "error_unit": "8-bit code values before rounding, estimated from the scatter of the randomisations",
-        },
-        "scene": scene.model_dump(mode="json"),
-        "software": {name: version(name) for name in ("glossspace", "mitsuba", "drjit", "numpy", "OpenEXR", "pillow")},
-        "stimuli": entries,
-    }
-
-
-def _say_error(wanted: StimulusList, entries: list[dict[str, Any]]) -> None:
-    """Tell the person at the terminal which error was reached, and that it is short of the target if it is."""
+def _say_error(job: _Job, wanted: StimulusList, entries: list[dict[str, Any]]) -> None:
+    """Tell the person at the terminal which method it was, which error was reached, and whether that is short of the target."""
     worst = max(entries, key=lambda entry: entry["error_estimate"]["percentile_99_9"])
-    error = worst["error_estimate"]
-    verdict = (
-        "the target of half a code value is reached"
-        if error["reached_target"]
-        else "short of the target of half a code value on 99.9 %"
-    )
+    error, target = worst["error_estimate"], job.target
+    goal = f"{target.max_code_error:g} code values on {100 * target.fraction:g} % of the pixels"
+    short = [entry["name"] for entry in entries if not entry["error_estimate"]["reached_target"]]
+    verdict = f"The target, {goal}, is reached."
+    if short:
+        more = f" and {len(short) - 3} more" if len(short) > 3 else ""
+        verdict = f"Short of the target, {goal}: {', '.join(short[:3])}{more}."
     note(
-        f"{wanted.name}: {len(entries)} stimuli by {METHOD}. Estimated error of the worst image ({worst['name']}): "
-        f"{error['median']:.2f} code values in the median, {error['percentile_99_9']:.2f} at 99.9 % of its pixels; "
-        f"{verdict}."
+        f"{wanted.name}: {len(entries)} stimuli by the method '{job.renderer.method}' ({job.reason}). Estimated error of "
+        f"the worst image ({worst['name']}): {error['median']:.2g} code values in the median, "
+        f"{error['percentile_99_9']:.2g} at 99.9 % of its pixels. {verdict}"
     )
     clipped = sum(entry["clipped_pixels"] for entry in entries)
     if clipped:

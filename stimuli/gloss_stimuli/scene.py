@@ -1,18 +1,37 @@
 """The scene a stimulus set is rendered in: what its TOML file may say, checked where it is read."""
 
 import math
+import re
 import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
+from gloss_stimuli.display import DisplayModel
+from gloss_stimuli.luminance_table import LuminanceTable
+from gloss_stimuli.viewing import ViewingGeometry
 from glossspace.errors import GlossError
 from glossspace.files import shipped_folder
 
-__all__ = ["DEFAULT_SCENE", "Box", "Camera", "Display", "Light", "Scene", "Sphere", "Tone", "Viewing", "read_scene"]
+__all__ = [
+    "DEFAULT_SCENE",
+    "Box",
+    "Camera",
+    "Display",
+    "Film",
+    "Light",
+    "MeasuredLuminance",
+    "Scene",
+    "Sphere",
+    "Tone",
+    "Viewing",
+    "read_scene",
+]
 
 DEFAULT_SCENE = "checkerboard_box"
+
+SMALLEST_SIZE, LARGEST_SIZE = 2, 4096
 
 Vector3 = tuple[float, float, float]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -53,11 +72,18 @@ class Light(_Section):
 
     center_xz: tuple[float, float]
     size_xz: tuple[Positive, Positive]
-    luminance_cd_m2: Positive
+    luminance_cd_m2: float
+
+    @field_validator("luminance_cd_m2")
+    @classmethod
+    def _is_on(cls, luminance: float) -> float:
+        if not luminance > 0:
+            raise ValueError(f"must be above 0, but is {luminance:g}: without light every image is black")
+        return luminance
 
 
 class Camera(_Section):
-    """Pinhole camera, upright; the field of view spans the width of the square image."""
+    """Pinhole camera, upright; the field of view spans the width of the film."""
 
     position: Vector3
     target: Vector3
@@ -70,6 +96,46 @@ class Camera(_Section):
         return right, _cross(right, forward), forward
 
 
+class Film(_Section):
+    """Size of an image in pixels, which are square: even, so that a screen can center it without resampling."""
+
+    width: int
+    height: int
+
+    @field_validator("width", "height", mode="before")
+    @classmethod
+    def _is_even_and_in_range(cls, size: Any) -> int:
+        if isinstance(size, bool) or not isinstance(size, int) or not SMALLEST_SIZE <= size <= LARGEST_SIZE or size % 2:
+            raise ValueError(f"must be an even number from {SMALLEST_SIZE} to {LARGEST_SIZE}, but is {size}")
+        return size
+
+    @classmethod
+    def parse(cls, text: str | int) -> Self:
+        """Film of a size as the command line takes it: ``512``, or width and height as in ``640x480``.
+
+        Raises
+        ------
+        GlossError
+            It is no such size.
+
+        Examples
+        --------
+        >>> Film.parse("640x480")
+        Film(width=640, height=480)
+        """
+        sizes = re.fullmatch(r"\s*(\d{1,9})\s*(?:[xX×]\s*(\d{1,9})\s*)?", str(text), flags=re.ASCII)
+        if sizes is not None:
+            width, height = int(sizes[1]), int(sizes[2] or sizes[1])
+            try:
+                return cls(width=width, height=height)
+            except ValidationError:
+                pass
+        raise GlossError(
+            f"The size must be an even number from {SMALLEST_SIZE} to {LARGEST_SIZE}, but is {text}. "
+            "Width and height may differ, as in 640x480."
+        )
+
+
 class Tone(_Section):
     """What the rational sigmoid must do; see `gloss_stimuli.tone`."""
 
@@ -79,28 +145,70 @@ class Tone(_Section):
     slope: Positive
 
 
-class Display(_Section):
-    """Black, white and gamma of the screen; see `gloss_stimuli.display`."""
+class MeasuredLuminance(_Section):
+    """What a photometer read at some code values; see `gloss_stimuli.luminance_table`."""
 
-    black_cd_m2: NotNegative
-    white_cd_m2: Positive
-    gamma: Positive
+    codes: tuple[int, ...]
+    gray_cd_m2: tuple[float, ...] | None = None
+    red_cd_m2: tuple[float, ...] | None = None
+    green_cd_m2: tuple[float, ...] | None = None
+    blue_cd_m2: tuple[float, ...] | None = None
+
+    def table(self) -> LuminanceTable:
+        """The readings, checked."""
+        return LuminanceTable(**dict(self))
+
+
+class Display(_Section):
+    """The screen: black, white and gamma, or instead of these what was measured; see `gloss_stimuli.display`."""
+
+    black_cd_m2: NotNegative | None = None
+    white_cd_m2: Positive | None = None
+    gamma: Positive | None = None
+    measured: MeasuredLuminance | None = None
+    bits: Literal[8, 16] = 8
+
+    @model_validator(mode="after")
+    def _describes_one_display(self) -> Self:
+        if not self.model().black_cd_m2 > 0:
+            raise ValueError("black_cd_m2 must be above 0: no tone curve spans an infinite contrast; measure the black")
+        return self
+
+    def model(self) -> DisplayModel:
+        """The display that this section describes."""
+        stated = {"black_cd_m2": self.black_cd_m2, "white_cd_m2": self.white_cd_m2, "gamma": self.gamma}
+        if self.measured is not None:
+            surplus = [name for name, value in stated.items() if value is not None]
+            if surplus:
+                raise GlossError(f"{surplus[0]} stands beside a measured luminance table, which tells it. Remove it")
+            return DisplayModel.from_table(self.measured.table(), bits=self.bits)
+        if self.black_cd_m2 is None or self.white_cd_m2 is None or self.gamma is None:
+            lacking = next(name for name, value in stated.items() if value is None)
+            raise GlossError(f"{lacking} is missing. State black_cd_m2, white_cd_m2 and gamma, or [display.measured]")
+        return DisplayModel(
+            black_cd_m2=self.black_cd_m2, white_cd_m2=self.white_cd_m2, gamma=self.gamma, bits=self.bits
+        )
 
 
 class Viewing(_Section):
-    """How far the observer sits and how wide an image appears."""
+    """How far the observer sits, how wide an image appears, and the pitch of the pixels where it is known."""
 
     distance_cm: Positive
     image_width_deg: Annotated[float, Field(gt=0, lt=120)]
+    pixel_pitch_mm: Positive | None = None
+
+    def geometry(self) -> ViewingGeometry:
+        """The viewing geometry that this section describes."""
+        return ViewingGeometry(**dict(self))
 
     @property
     def image_width_cm(self) -> float:
-        """Width on the screen that appears `image_width_deg` wide: 2 · distance · tan(angle / 2)."""
-        return 2 * self.distance_cm * math.tan(math.radians(self.image_width_deg) / 2)
+        """Width on the screen that appears `image_width_deg` wide."""
+        return self.geometry().image_width_cm
 
 
 class Scene(_Section):
-    """Everything that determines a picture but the sphere's reflectance, the image size and the sampling."""
+    """Everything that determines a picture but the sphere's reflectance and the sampling."""
 
     format: Literal["glossspace/scene"]
     version: Literal[1]
@@ -109,6 +217,7 @@ class Scene(_Section):
     sphere: Sphere
     light: Light
     camera: Camera
+    film: Film = Film(width=512, height=512)
     tone: Tone
     display: Display
     viewing: Viewing
@@ -136,13 +245,15 @@ class Scene(_Section):
         tone = self.tone
         if not tone.minimum_luminance_cd_m2 < tone.adapting_luminance_cd_m2 < tone.maximum_luminance_cd_m2:
             raise ValueError("tone: the adapting luminance must lie between the minimum and the maximum luminance")
-        if self.display.white_cd_m2 <= self.display.black_cd_m2:
-            raise ValueError("display: white_cd_m2 must exceed black_cd_m2")
         return self
 
     def geometry(self) -> dict[str, Any]:
         """The sections that determine luminance; tone, display and viewing change nothing that is traced."""
-        return self.model_dump(mode="json", include={"box", "sphere", "light", "camera"})
+        return self.model_dump(mode="json", include={"box", "sphere", "light", "camera", "film"})
+
+    def with_film(self, film: Film) -> "Scene":
+        """The same scene on another film."""
+        return self.model_copy(update={"film": film})
 
 
 def read_scene(source: str | Path | None = None) -> Scene:
@@ -173,7 +284,7 @@ def read_scene(source: str | Path | None = None) -> Scene:
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"]) or "scene"
-        reason = first["msg"].removeprefix("Value error, ")
+        reason = first["msg"].removeprefix("Value error, ").rstrip(".")
         raise GlossError(f"The scene '{path}' is not valid at '{place}': {reason}.") from None
 
 

@@ -5,8 +5,9 @@ luminance::
 
     s(x) = D (x^g + 1/k) / (x^g + k)
 
-Its log-log slope at x = 1 is ``g (k - 1) / (k + 1)`` and its asymptotic contrast k². `solve_tone_curve` chooses g, k
-and D so that the slope is the wanted one, s(x_max) / s(x_min) is the display's contrast and s(x_max) = 1.
+Its log-log slope is largest at x = 1, where it is ``g (k - 1) / (k + 1)``; its asymptotic contrast is k². In ln x and
+ln s it is symmetric about that point: ``s(x) s(1/x) = (D/k)²``. `solve_tone_curve` chooses g, k and D so that the slope
+is the wanted one, s(x_max) / s(x_min) is the display's contrast and s(x_max) = 1.
 """
 
 import math
@@ -20,6 +21,9 @@ from glossspace.errors import GlossError
 
 __all__ = ["ToneCurve", "solve_tone_curve"]
 
+# By how much the darkest displayed luminance may be missed, relative to itself, and still be taken for it.
+ROUNDING = 1e-12
+
 
 @dataclass(frozen=True, kw_only=True)
 class ToneCurve:
@@ -30,7 +34,8 @@ class ToneCurve:
     adapting_luminance_cd_m2 : float
         Luminance where x = 1.
     minimum_luminance_cd_m2, maximum_luminance_cd_m2 : float
-        Scene luminances displayed as the display's black and white; what lies outside is clipped there.
+        Scene luminances displayed as the display's black and white. The curve goes on outside them, where the display
+        cannot follow; `clipped` counts what lies there.
     gain, exponent, knee : float
         D, g and k of the equation.
     """
@@ -52,11 +57,28 @@ class ToneCurve:
         1.0
         """
         power = self._power(luminance_cd_m2)
-        return self.gain * (power + 1 / self.knee) / (power + self.knee)
+        displayed = power + 1 / self.knee
+        displayed *= self.gain
+        power += self.knee
+        displayed /= power
+        return displayed
 
     def inverse(self, relative_display_luminance: ArrayLike) -> NDArray[np.float64]:
-        """Scene luminance (cd/m²) that is displayed at this luminance relative to white."""
+        """Scene luminance (cd/m²) that is displayed at this luminance relative to white.
+
+        Raises
+        ------
+        GlossError
+            A value is below what darkness is displayed at, D / k², or not below the curve's asymptote D.
+        """
         s = np.asarray(relative_display_luminance, dtype=float)
+        darkest = self.gain / self.knee**2
+        reached = (s >= darkest * (1 - ROUNDING)) & (s < self.gain)
+        if not np.all(reached | np.isnan(s)):
+            raise GlossError(
+                f"No scene luminance is displayed at {float(s[~reached].flat[0]):g} of white: this tone curve reaches "
+                f"from {darkest:.6g} to below {self.gain:.6g}."
+            )
         # s (y + k) = D (y + 1/k) solved for y = x^g; rounding may leave the darkest value a hair below zero.
         power = np.maximum((s * self.knee - self.gain / self.knee) / (self.gain - s), 0.0)
         return self.adapting_luminance_cd_m2 * power ** (1 / self.exponent)
@@ -77,8 +99,11 @@ class ToneCurve:
         return {"kind": "rational sigmoid (Tumblin, Hodgins & Guenter 1999)", **asdict(self)}
 
     def _power(self, luminance_cd_m2: ArrayLike) -> NDArray[np.float64]:
-        x = np.asarray(luminance_cd_m2, dtype=float) / self.adapting_luminance_cd_m2
-        return np.maximum(x, 0.0) ** self.exponent
+        power = np.array(luminance_cd_m2, dtype=float)  # a copy: the steps below need no further memory
+        power /= self.adapting_luminance_cd_m2
+        np.maximum(power, 0.0, out=power)
+        np.power(power, self.exponent, out=power)
+        return power
 
 
 def solve_tone_curve(*, adapting: float, minimum: float, maximum: float, slope: float, contrast: float) -> ToneCurve:

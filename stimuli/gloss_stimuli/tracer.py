@@ -51,7 +51,6 @@ def trace_pass(
     scene: Scene,
     pixels: NDArray[np.uint32],
     *,
-    size: int,
     samples: int,
     seed: int,
     alpha: float | None = None,
@@ -63,9 +62,7 @@ def trace_pass(
     scene : Scene
         What to render; the sphere's lobe form is taken from it.
     pixels : array of uint32, shape (P,)
-        Row-major indices into an image of `size` × `size` pixels.
-    size : int
-        Width and height of the image.
+        Row-major indices into the film.
     samples : int
         Paths a pixel, a power of two.
     seed : int
@@ -89,7 +86,8 @@ def trace_pass(
     # Opaque: these change between passes, and a literal would be compiled into a new kernel each time.
     opaque_alpha = dr.opaque(mi.Float, 1.0 if alpha is None else alpha)
     count = dr.opaque(mi.UInt32, samples)
-    width = dr.opaque(mi.UInt32, size)
+    width = dr.opaque(mi.UInt32, scene.film.width)
+    height = scene.film.height
     # Hashed, since the key is added to the pixel: neighbouring seeds would repeat the numbers of neighbouring pixels.
     digest = hashlib.sha256(str(seed).encode()).digest()
     key = tuple(dr.opaque(mi.UInt32, int.from_bytes(digest[k : k + 4], "little")) for k in (0, 4))
@@ -107,7 +105,7 @@ def trace_pass(
         u, v = points.draw(sample, mi.UInt32(0))
         right, up, forward = axes
         x = (2 * (column + u) / mi.Float(width) - 1) * half_width
-        y = (1 - 2 * (row + v) / mi.Float(width)) * half_width
+        y = (height - 2 * (row + v)) / mi.Float(width) * half_width
         return dr.normalize(forward + x * right + y * up)
 
     zero = dr.zeros(mi.Float, len(pixels))

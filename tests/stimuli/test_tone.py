@@ -64,6 +64,52 @@ def test_log_log_slope_is_the_derivative(made, share: float) -> None:
     assert curve.log_log_slope(luminance) == pytest.approx(float(numerical), abs=1e-8)
 
 
+@given(curves(), st.floats(0.01, 5))
+def test_the_curve_is_symmetric_about_the_adapting_luminance(made, log_ratio: float) -> None:
+    # s(x) s(1/x) = (D/k)², since (y + 1/k)(1/y + 1/k) is (y + k)(1/y + k) over k².
+    curve, wanted = made
+    above, below = curve(wanted["adapting"] * np.exp([log_ratio, -log_ratio]))
+    # A dozen roundings; the power amplifies that of x by its exponent, at most some 5.
+    assert above * below == pytest.approx((curve.gain / curve.knee) ** 2, rel=1e-13)
+    assert curve(wanted["adapting"]) == pytest.approx(curve.gain / curve.knee, rel=1e-14)
+
+
+@given(curves(), st.floats(-5, 5))
+def test_it_is_nowhere_steeper_than_at_the_adapting_luminance(made, log_ratio: float) -> None:
+    curve, wanted = made
+    slope = curve.log_log_slope(wanted["adapting"] * np.exp(log_ratio))
+    assert 0 < slope <= wanted["slope"] * (1 + 1e-12)  # the slope asked for is met to 1e-12
+
+
+@given(curves(), st.lists(st.floats(0, 1), min_size=1, max_size=20))
+def test_displayed_luminances_come_back_to_1e_12(made, shares: list[float]) -> None:
+    curve, _ = made
+    darkest = curve.gain / curve.knee**2
+    displayed = darkest + np.array(shares) * (1 - darkest)
+    # The bound; the equation is solved for y in four operations, and x^g undone.
+    assert curve(curve.inverse(displayed)) == pytest.approx(displayed, rel=1e-12)
+
+
+def test_a_luminance_that_nothing_is_displayed_at_has_no_inverse() -> None:
+    curve = solve_tone_curve(adapting=10.0, minimum=0.0, maximum=250.0, slope=1.0, contrast=154.0)
+    with pytest.raises(GlossError, match="No scene luminance is displayed at 0.001 of white.*from 0.00649"):
+        curve.inverse([0.5, 0.001])
+    with pytest.raises(GlossError, match="displayed at 1.5 of white"):
+        curve.inverse(1.5)
+    assert np.isnan(curve.inverse(np.nan))
+
+
+def test_shapes_are_kept_and_inputs_left_alone() -> None:
+    curve = solve_tone_curve(adapting=10.0, minimum=0.0, maximum=250.0, slope=1.0, contrast=154.0)
+    luminance = np.array([[1.0, 20.0, 250.0]])
+    displayed = curve(luminance)
+    assert displayed.shape == (1, 3)
+    assert luminance.tolist() == [[1.0, 20.0, 250.0]]
+    assert float(curve(20)) == displayed[0, 1]
+    # Darkness is the least there is: a luminance that noise made negative is displayed as zero.
+    assert float(curve(-1.0)) == float(curve(0.0))
+
+
 def test_parameters_solve_the_equations_in_high_precision() -> None:
     curve = solve_tone_curve(adapting=10.0, minimum=0.0, maximum=250.0, slope=1.0, contrast=108 / 0.7)
     with mpmath.workdps(40):
