@@ -201,7 +201,7 @@ def _files_beside(scene: UserScene) -> Iterator[None]:
 
 @contextmanager
 def _two_threads() -> Iterator[None]:
-    """Give Dr.Jit a second thread on a machine of one core, where Mitsuba 3.9 would wait for it to read an EXR."""
+    """Give Dr.Jit a second thread on a machine of one core: Mitsuba 3.9 waits for it without end to read an EXR."""
     import drjit as dr
 
     before = dr.thread_count()
@@ -231,6 +231,11 @@ def _adapt(scene: UserScene, state: Any, film: Any) -> None:
             raise GlossError(
                 f"The Mitsuba scene '{scene.path}' asks for the integrator '{node.props.plugin_name()}', but stimuli "
                 "are rendered by 'path' without a limit of depth. Remove its <integrator>, if 'path' can render it."
+            )
+        if node.type == kinds.Integrator and node.props.get("hide_emitters", False):
+            raise GlossError(
+                f"The integrator of the Mitsuba scene '{scene.path}' hides what emits light, but stimuli show what "
+                "lights them. Remove its hide_emitters."
             )
     props = sensors[0].props
     for name in list(props.keys()):

@@ -41,8 +41,8 @@ __all__ = ["LARGEST_SAMPLES", "PathRenderer"]
 # Fewer passes know their own scatter too badly: of 8, shared by 3 × 3 pixels, it is known to 13 %.
 FEWEST_PASSES = 8
 
-# Where the error decides, it is given up at so many samples a pixel. The shipped scene needs over 100,000 for half a code
-# value on 99.9 % of its pixels.
+# Where the error decides, it is given up at so many samples a pixel. The shipped scene needs over 100,000 for half a
+# code value on 99.9 % of its pixels.
 LARGEST_SAMPLES = 2**18
 
 # Samples that one pass may hold: about 100 bytes of memory each, and seconds until Ctrl-C is heeded.

@@ -246,6 +246,11 @@ def test_a_scene_may_give_numbers_where_they_agree(scene_with) -> None:
             '<integrator type="volpath"/></scene>',
             "asks for the integrator 'volpath'.*Remove its <integrator>",
         ),
+        (
+            "</scene>",
+            '<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator></scene>',
+            "hides what emits light.*Remove its hide_emitters",
+        ),
         ('type="ply"', 'type="gltf2"', "cannot load the scene '.*scene.xml' in the variant llvm_ad_mono.*gltf2"),
         ('value="$rho_s"', 'value="0.9"/><float name="unused" value="$rho_s"', "rho_d . rho_s = 1.093"),
         (
