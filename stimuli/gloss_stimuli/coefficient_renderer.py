@@ -1,6 +1,7 @@
 """The coefficient path tracer as the set renderer sees it: randomisations are multiplied until an image is good enough.
 
-It holds for every box scene, also where the exact renderer does not: a sphere that nearly touches a wall, a light beside one.
+It holds for every box scene, also where the exact renderer does not: a sphere that nearly touches a wall, a light
+beside one.
 """
 
 from collections.abc import Iterator, Sequence

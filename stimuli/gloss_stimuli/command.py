@@ -45,8 +45,8 @@ def render(
     Parameters
     ----------
     stimulus_set
-        A shipped set (experiment1, contrast, contrast30, doi), or a CSV or TOML file of paints: columns rho_d, rho_s, alpha,
-        or lightness, c, d.
+        A shipped set (experiment1, contrast, contrast30, doi), or a CSV or TOML file of paints: columns rho_d, rho_s,
+        alpha, or lightness, c, d.
     out
         Folder for the images and the manifest.
     size

@@ -1,8 +1,9 @@
 """The exact renderer as the set renderer sees it: solutions of growing fineness, until two of them agree.
 
 Each level of fineness is an independent solution: other random numbers *and* other grids. An image is the mean of two
-neighbouring levels, and half their difference is its error, so the estimate knows of discretisation as well as of noise. An
-image that is not good enough takes the next level. Coefficients are kept on disk by content, a file for each level and α.
+neighbouring levels, and half their difference is its error, so the estimate knows of discretisation as well as of
+noise. An image that is not good enough takes the next level. Coefficients are kept on disk by content, a file for each
+level and α.
 """
 
 import zipfile
@@ -116,7 +117,7 @@ class ExactRenderer:
         error = code_error(luminance, spread, tone=self.tone, display=self.display)
         return Rendering(stimulus, luminance, error, {"levels": [level, level + 1]}, white)
 
-    def _shaped(self, pixels: NDArray[np.float32]) -> NDArray[np.float64]:
+    def _shaped(self, pixels: NDArray[np.floating]) -> NDArray[np.float64]:
         return pixels.reshape(self.scene.film.height, self.scene.film.width).astype(np.float64)
 
     def _complete(self, level: int, alphas: Sequence[float], step: Step) -> None:
@@ -129,7 +130,8 @@ class ExactRenderer:
         if not missing:
             return
         wanted = [alpha for alpha in missing if alpha is not None]
-        # Its own threads do the work; a linear algebra library with threads of its own may round differently for each number.
+        # Its own threads do the work; a linear algebra library with threads of its own may round differently for each
+        # number.
         with threadpool_limits(1):
             for alpha, coefficients in solve(self.scene, LEVELS[level], (self.seed, level), wanted):
                 if alpha in missing:

@@ -1,7 +1,7 @@
 """Which renderer a scene gets: the exact one wherever the scene allows it, and why not where it does not."""
 
 from pathlib import Path
-from typing import Literal, TypeAlias, get_args
+from typing import Any, Literal, TypeAlias, get_args
 
 from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.renderer import Renderer
@@ -34,8 +34,8 @@ def choose_renderer(
     ----------
     scene : Scene or UserScene
     method : {"auto", "exact", "coefficients", "path"}
-        "auto" takes the exact renderer if the scene is within its scope, else coefficient path tracing for a box, and path
-        tracing for a scene of the user's own.
+        "auto" takes the exact renderer if the scene is within its scope, else coefficient path tracing for a box, and
+        path tracing for a scene of the user's own.
     target, tone, display, seed, cache
         See the renderers.
     samples_per_pixel : int, optional
@@ -52,7 +52,9 @@ def choose_renderer(
         raise GlossError(f"Unknown method '{method}'. Allowed are {', '.join(METHODS)}.")
     obstacle = "it is a Mitsuba scene" if isinstance(scene, UserScene) else why_not_exact(scene)
     if method == "exact" and obstacle:
-        raise GlossError(f"The exact renderer does not hold for the scene '{scene.name}': {obstacle}. Use --method auto.")
+        raise GlossError(
+            f"The exact renderer does not hold for the scene '{scene.name}': {obstacle}. Use --method auto."
+        )
     if method == "coefficients" and isinstance(scene, UserScene):
         raise GlossError(
             f"Coefficient path tracing renders boxes only, but '{scene.name}' is a Mitsuba scene. Use --method path."
@@ -63,10 +65,10 @@ def choose_renderer(
     reason = "asked for" if method != "auto" else "a box within its scope" if obstacle is None else obstacle
     if samples_per_pixel is not None and chosen != "path":
         raise GlossError(
-            f"The number of samples (--spp) is for --method path alone; the method here is '{chosen}', which goes on until "
-            "the target is reached: give --max-code-error and --fraction."
+            f"The number of samples (--spp) is for --method path alone; the method here is '{chosen}', which goes on "
+            "until the target is reached: give --max-code-error and --fraction."
         )
-    common = {"target": target, "tone": tone, "display": display, "seed": seed}
+    common: dict[str, Any] = {"target": target, "tone": tone, "display": display, "seed": seed}
     if chosen == "path":
         from gloss_stimuli.path_renderer import PathRenderer
 

@@ -57,7 +57,8 @@ class PassPlan:
             geometry["sphere"].pop("lobe")
         return content_key(
             "tracer", "lattice", "ward_lobe", "coefficients", "passes",
-            geometry=geometry, seed=self.seed, alpha=alpha, samples=samples, randomisations=self.randomisations, mitsuba=version("mitsuba"), drjit=version("drjit"),
+            geometry=geometry, seed=self.seed, alpha=alpha, samples=samples, randomisations=self.randomisations,
+            mitsuba=version("mitsuba"), drjit=version("drjit"),
         )  # fmt: skip
 
     def is_cached(self, alpha: float | None) -> bool:

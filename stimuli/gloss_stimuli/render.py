@@ -82,7 +82,8 @@ def render_set(
     Raises
     ------
     GlossError
-        The set, the scene, the size, the target, the method or the seed is not valid, or a renderer lacks what it needs.
+        The set, the scene, the size, the target, the method or the seed is not valid, or a renderer lacks what it
+        needs.
 
     Examples
     --------
@@ -251,7 +252,7 @@ def _write_stimulus(job: _Job, rendering: Rendering, patches: PatchGeometry | No
 
 
 def _say_error(job: _Job, wanted: StimulusList, entries: list[dict[str, Any]]) -> None:
-    """Tell the person at the terminal which method it was, which error was reached, and whether that is short of the target."""
+    """Tell the person at the terminal the method, the error that was reached, and whether it is short of the target."""
     worst = max(entries, key=lambda entry: entry["error_estimate"]["percentile_99_9"])
     error, target = worst["error_estimate"], job.target
     goal = f"{target.max_code_error:g} code values on {100 * target.fraction:g} % of the pixels"
@@ -261,8 +262,8 @@ def _say_error(job: _Job, wanted: StimulusList, entries: list[dict[str, Any]]) -
         more = f" and {len(short) - 3} more" if len(short) > 3 else ""
         verdict = f"Short of the target, {goal}: {', '.join(short[:3])}{more}."
     note(
-        f"{wanted.name}: {len(entries)} stimuli by the method '{job.renderer.method}' ({job.reason}). Estimated error of "
-        f"the worst image ({worst['name']}): {error['median']:.2g} code values in the median, "
+        f"{wanted.name}: {len(entries)} stimuli by the method '{job.renderer.method}' ({job.reason}). Estimated error "
+        f"of the worst image ({worst['name']}): {error['median']:.2g} code values in the median, "
         f"{error['percentile_99_9']:.2g} at 99.9 % of its pixels. {verdict}"
     )
     clipped = sum(entry["clipped_pixels"] for entry in entries)

@@ -1,8 +1,8 @@
 """The exact renderer: a sphere in a checkerboard box, solved rather than sampled.
 
-A Lambertian box, a convex sphere, one light, and three numbers that vary: so the irradiance of the walls is a smooth field, an
-image is a polynomial in ρd and ρs, and what the sphere mirrors is a band-limited function of where it is seen. In the order
-of the light:
+A Lambertian box, a convex sphere, one light, and three numbers that vary: so the irradiance of the walls is a smooth
+field, an image is a polynomial in ρd and ρs, and what the sphere mirrors is a band-limited function of where it is
+seen. In the order of the light:
 
 ==============  ======================================================================================
 Module          What happens there

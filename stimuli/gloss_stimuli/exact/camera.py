@@ -1,7 +1,8 @@
 """The pinhole camera in compiled code: rays through the film, and where they meet the sphere.
 
-A point of the sphere is named by how it is seen: (X, Y) = i (cos φ, sin φ), with i the angle of incidence and φ the azimuth
-about the line from the sphere's center to the eye. The center of the disc is (0, 0), its outline the circle of radius π/2.
+A point of the sphere is named by how it is seen: (X, Y) = i (cos φ, sin φ), with i the angle of incidence and φ the
+azimuth about the line from the sphere's center to the eye. The center of the disc is (0, 0), its outline the circle of
+radius π/2.
 """
 
 import math

@@ -50,7 +50,7 @@ def thread_count() -> int:
 
 
 def _forget_stale_kernels() -> None:
-    """Delete cached kernels if any source here has changed: numba looks at a kernel's own file, not at what it calls."""
+    """Delete cached kernels if any source here has changed: numba looks at a kernel's own file alone."""
     here = Path(__file__).parent
     digest = hashlib.sha256()
     for source in sorted(here.glob("*.py")):

@@ -1,10 +1,10 @@
 """Light from wall to wall in the empty box: the matrix K with E(x) = Σ_j K_j(x) ρ_j E_j, sphere and light left aside.
 
-Far from a source cell its nodes are plain Gauss points. Near a cell of a perpendicular wall the kernel cosθ cosθ'/(π r²)
-peaks towards the common edge, so each polynomial of the cell is integrated against it exactly to rounding (*product
+Far from a source cell its nodes are plain Gauss points. Near a cell of a perpendicular wall the kernel cosθ cosθ'/(π
+r²) peaks towards the common edge, so each polynomial of the cell is integrated against it exactly to rounding (*product
 integration*): with ε the distance of the point from the source's plane and δ that of the source from the point's plane,
-the substitutions δ = ε sinh u, and x = ε cosh u tan t along the edge, leave the smooth integrand
-``sinh u cos² t / (π cosh² u)``. Points of one wall do not see each other.
+the substitutions δ = ε sinh u, and x = ε cosh u tan t along the edge, leave the smooth integrand ``sinh u cos² t / (π
+cosh² u)``. Points of one wall do not see each other.
 """
 
 import math
@@ -93,7 +93,8 @@ def edge_geometry(
     """Of a cell on the wall `other`, across from a point on `wall`, as product integration needs it.
 
     Returns whether its coordinate a leads away from the point's wall; the point's height ε over the cell's plane; the
-    range of δ; the range of x along the edge, relative to the point; whether the coordinate that leads away falls with δ.
+    range of δ; the range of x along the edge, relative to the point; whether the coordinate that leads away falls with
+    δ.
     """
     axis, across = wall // 2, other // 2
     a_leads = axis == (across + 1) % 3

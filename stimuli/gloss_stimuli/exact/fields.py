@@ -1,8 +1,8 @@
-"""The irradiance fields of the room: the coefficient of each power of ρd and ρs, at the nodes of the walls and on a grid
-of the sphere.
+"""The irradiance fields of the room: the coefficient of each power of ρd and ρs, at the nodes of the walls and on a
+grid of the sphere.
 
-Light that has met the sphere i times diffusely and j times specularly makes the fields E_ij of the walls and H_ij of the
-sphere. With K the exchange among walls past the sphere, D from the sphere's diffuse light to the walls, S from its
+Light that has met the sphere i times diffusely and j times specularly makes the fields E_ij of the walls and H_ij of
+the sphere. With K the exchange among walls past the sphere, D from the sphere's diffuse light to the walls, S from its
 specular light, e and h the light itself, and ρ the checks::
 
     E00 = K ρE00 + e                         H_ij = (walls to sphere) ρE_ij,  H00 also + h
@@ -10,8 +10,8 @@ specular light, e and h the light itself, and ρ the checks::
     E20 = K ρE20 + D H10                     E11 = K ρE11 + D H01 + S ρE10
                                              E02 = K ρE02 + S ρE01
 
-Each return to the sphere keeps only a few per cent of the light, and what has returned twice has forgotten where it came
-from: from the second order on the series is taken as geometric (`Fields.returns`).
+Each return to the sphere keeps only a few per cent of the light, and what has returned twice has forgotten where it
+came from: from the second order on the series is taken as geometric (`Fields.returns`).
 """
 
 from dataclasses import dataclass
@@ -146,7 +146,7 @@ def _ratio(later: NDArray[np.float64], earlier: NDArray[np.float64]) -> float:
 
 
 def _projected_light(room: Room, nodes: Nodes, lines: int) -> NDArray[np.float64]:
-    """The light's irradiance as the polynomials of each cell that fit it best, so that a shadow's edge keeps its flux."""
+    """The light's irradiance as the best-fitting polynomials of each cell: a shadow's edge keeps its flux."""
     x, w = gauss_legendre(2 * nodes.order)
     points, _ = wall_points(room, x)
     wall = np.repeat(room.cell_wall, len(x) ** 2)

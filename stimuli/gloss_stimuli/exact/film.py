@@ -1,8 +1,8 @@
 """What each pixel sees: weights of the walls' texels, points of the sphere, and the share that the light fills.
 
-A pixel inside a check takes one sample, one inside the sphere's outline a few. A pixel with an edge in it, of a check, of
-the light or of the sphere, is cut by scan lines across that edge; crossings are found by bisection, and each piece of a
-line takes a sample of its own. The map is made once and serves every paint and every α.
+A pixel inside a check takes one sample, one inside the sphere's outline a few. A pixel with an edge in it, of a check,
+of the light or of the sphere, is cut by scan lines across that edge; crossings are found by bisection, and each piece
+of a line takes a sample of its own. The map is made once and serves every paint and every α.
 """
 
 import math
@@ -130,15 +130,18 @@ def _put_wall(
     b, fb = texel_at(v, texels)
     first = (cell * texels + b) * texels + a
     value = weight * reflectance[cell] / math.pi
-    columns[at, 0], columns[at, 1], columns[at, 2], columns[at, 3] = first, first + 1, first + texels, first + texels + 1
+    columns[at, 0], columns[at, 1], columns[at, 2], columns[at, 3] = (
+        first,
+        first + 1,
+        first + texels,
+        first + texels + 1,
+    )
     data[at, 0], data[at, 1] = value * (1 - fa) * (1 - fb), value * fa * (1 - fb)
     data[at, 2], data[at, 3] = value * (1 - fa) * fb, value * fa * fb
 
 
 @compiled
-def _put_sphere(
-    camera: Camera, column: float, row: float, weight: float, at: int, seen: NDArray[np.float64]
-) -> None:
+def _put_sphere(camera: Camera, column: float, row: float, weight: float, at: int, seen: NDArray[np.float64]) -> None:
     dx, dy, dz = camera_ray(camera, column, row)
     sine, c, s = seen_on_sphere(camera, dx, dy, dz)
     incidence = math.asin(min(sine, 1.0))
@@ -179,7 +182,9 @@ def _film_rows(
                 lit = 1.0
             else:
                 if fill:
-                    _put_wall(box, grid, reflectance, camera, column + 0.5, row + 0.5, 1.0, texels, to_wall, columns, data)
+                    _put_wall(
+                        box, grid, reflectance, camera, column + 0.5, row + 0.5, 1.0, texels, to_wall, columns, data
+                    )
                 to_wall += 1
         else:
             changes_x = (upper_left != upper_right) + (lower_left != lower_right)
@@ -229,8 +234,8 @@ def _film_rows(
                         x = cuts[piece] + 0.5 * length
                         if fill:
                             _put_wall(
-                                box, grid, reflectance, camera, along if by_rows else x, x if by_rows else along, length / count, texels,
-                                to_wall, columns, data,
+                                box, grid, reflectance, camera, along if by_rows else x, x if by_rows else along, length
+                                / count, texels, to_wall, columns, data,
                             )  # fmt: skip
                         to_wall += 1
         counts[p, 0], counts[p, 1] = to_wall - starts[p, 0], to_sphere - starts[p, 1]

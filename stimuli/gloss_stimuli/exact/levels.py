@@ -80,8 +80,8 @@ LEVELS = (
         light_points=20, lines=24, pixel_samples=2048,
     ),
     Level(
-        width_over_gap=1.0, nodes=5, edge_points=13, light_lines=250, cone_rays=16384, lobe_samples=1024, sphere_rows=64,
-        texels=24, patch_texels=15, sphere_texture_rows=320, edge_passes=4, table_spacing=0.36, table_samples=2584,
+        width_over_gap=1.0, nodes=5, edge_points=13, light_lines=250, cone_rays=16384, lobe_samples=1024,
+        sphere_rows=64,        texels=24, patch_texels=15, sphere_texture_rows=320, edge_passes=4, table_spacing=0.36, table_samples=2584,
         light_points=24, lines=33, pixel_samples=8192,
     ),
     Level(

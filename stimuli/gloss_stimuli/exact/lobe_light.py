@@ -1,7 +1,7 @@
 """The light's image in the sphere: Ward's lobe integrated over the part of the light that it reaches.
 
-The lobe is a Gaussian of the half vector, zero to a display beyond a few α. Its reach about the mirrored direction is a cone,
-whose shadow on the ceiling bounds a rectangle of the light; Gauss–Legendre's rule on that is exact for any α.
+The lobe is a Gaussian of the half vector, zero to a display beyond a few α. Its reach about the mirrored direction is a
+cone, whose shadow on the ceiling bounds a rectangle of the light; Gauss–Legendre's rule on that is exact for any α.
 """
 
 import math

@@ -1,7 +1,7 @@
 """What the sphere mirrors, pixel by pixel: for lobes so narrow that a table would have more points than the film needs.
 
-A place in the pixel and a half vector are drawn together, from an evenly spread sequence in four dimensions that every pixel
-shifts for itself. A pixel that looks at one check alone stops early.
+A place in the pixel and a half vector are drawn together, from an evenly spread sequence in four dimensions that every
+pixel shifts for itself. A pixel that looks at one check alone stops early.
 """
 
 import math
@@ -34,8 +34,8 @@ def radiance_of_pixels(
     Parameters
     ----------
     pixels, first, x, y, weight
-        Pixels, and their sphere samples as in `gloss_stimuli.exact.film.FilmMap`. Pixels well inside the outline draw places
-        of their own, at the outline the samples serve.
+        Pixels, and their sphere samples as in `gloss_stimuli.exact.film.FilmMap`. Pixels well inside the outline draw
+        places of their own, at the outline the samples serve.
     patches : array, shape (C, b, a, K)
         Radiance of the walls.
     samples : int
@@ -58,7 +58,7 @@ def _add_sample(
     alpha: float, form: int, u: float, v: float, patches: NDArray[np.float32], with_light: bool, share: float,
     total: NDArray[np.float64],
 ) -> int:  # fmt: skip
-    """Add the radiance of one half vector at the place (x, y) of the sphere; the cell it finds, -1 below the horizon."""
+    """Add the radiance of one half vector at (x, y) of the sphere; returns the cell it finds, -1 below the horizon."""
     px, py, pz, nx, ny, nz, ex, ey, ez = sphere_point(camera, x, y)
     ux, uy, uz, vx, vy, vz = frame(nx, ny, nz)
     ix, iy, iz = ex * ux + ey * uy + ez * uz, ex * vx + ey * vy + ez * vz, ex * nx + ey * ny + ez * nz
@@ -101,7 +101,20 @@ def _pixel_rows(
                 incidence = math.asin(min(sine, 1.0))
                 u, v = (drawn * steps[2] + shifts[p, 2]) % 1.0, (drawn * steps[3] + shifts[p, 3]) % 1.0
                 cell = _add_sample(
-                    box, grid, is_light, camera, incidence * c, incidence * s, alpha, form, u, v, patches, with_light, 1.0, total
+                    box,
+                    grid,
+                    is_light,
+                    camera,
+                    incidence * c,
+                    incidence * s,
+                    alpha,
+                    form,
+                    u,
+                    v,
+                    patches,
+                    with_light,
+                    1.0,
+                    total,
                 )
                 alike = alike and (drawn == 0 or cell == found)
                 found = cell
@@ -115,7 +128,20 @@ def _pixel_rows(
                 for _ in range(count):
                     u, v = (drawn * steps[2] + shifts[p, 2]) % 1.0, (drawn * steps[3] + shifts[p, 3]) % 1.0
                     _add_sample(
-                        box, grid, is_light, camera, x[k], y[k], alpha, form, u, v, patches, with_light, weight[k] / count, total
+                        box,
+                        grid,
+                        is_light,
+                        camera,
+                        x[k],
+                        y[k],
+                        alpha,
+                        form,
+                        u,
+                        v,
+                        patches,
+                        with_light,
+                        weight[k] / count,
+                        total,
                     )
                     drawn += 1
             for q in range(len(total)):

@@ -1,8 +1,8 @@
 """What the sphere mirrors, tabulated: the radiance of the room through Ward's lobe, by where the sphere is seen.
 
-Over the place (X, Y) on the sphere (`gloss_stimuli.exact.camera`) reflected radiance is the mirrored room convolved with a
-Gaussian of width α: its spectrum falls as exp(-α² k² / 4), so a table with a spacing of half α holds all of it. A power of the
-viewing cosine keeps it smooth up to the outline. Pixels look it up by quintic B-splines.
+Over the place (X, Y) on the sphere (`gloss_stimuli.exact.camera`) reflected radiance is the mirrored room convolved
+with a Gaussian of width α: its spectrum falls as exp(-α² k² / 4), so a table with a spacing of half α holds all of it.
+A power of the viewing cosine keeps it smooth up to the outline. Pixels look it up by quintic B-splines.
 """
 
 import math

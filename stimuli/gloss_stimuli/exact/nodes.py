@@ -48,13 +48,13 @@ class Nodes:
 def gauss_legendre(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Nodes and weights of Gauss–Legendre's rule on [0, 1]."""
     x, w = np.polynomial.legendre.leggauss(count)
-    return (x + 1) / 2, w / 2
+    return np.asarray((x + 1) / 2, dtype=np.float64), np.asarray(w / 2, dtype=np.float64)
 
 
 def make_nodes(room: Room, order: int) -> Nodes:
     """Nodes of a room, n × n a cell."""
     x, w = gauss_legendre(order)
-    powers = np.linalg.inv(np.vander(x, order, increasing=True)).T.copy()
+    powers = np.ascontiguousarray(np.linalg.inv(np.vander(x, order, increasing=True)).T, dtype=np.float64)
     points, sides = wall_points(room, x)
     cell = np.repeat(np.arange(len(room.cell_wall)), order * order)
     weights = (sides.prod(1)[:, None, None] * w[:, None] * w).reshape(-1)

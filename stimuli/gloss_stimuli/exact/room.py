@@ -1,8 +1,8 @@
 """The room as kernels see it: six walls of cells, a sphere, a light; and how rays meet them.
 
-Wall w lies across axis ``w // 2``, at its low end if w is even and its high end if odd. Within a wall, coordinate a runs
-along the next axis and b along the one after it (cyclically). A *cell* is a check or a part of one: no edge of a check or
-of the light ever runs through a cell, so what a cell emits is smooth.
+Wall w lies across axis ``w // 2``, at its low end if w is even and its high end if odd. Within a wall, coordinate a
+runs along the next axis and b along the one after it (cyclically). A *cell* is a check or a part of one: no edge of a
+check or of the light ever runs through a cell, so what a cell emits is smooth.
 """
 
 import math
@@ -20,7 +20,8 @@ CEILING = 3
 
 
 class Box(NamedTuple):
-    """The numbers of a room. Kernels pass these to what they call; arrays of a named tuple would be counted at each call.
+    """The numbers of a room. Kernels pass these to what they call; arrays of a named tuple would be counted at each
+    call.
 
     Attributes
     ----------
@@ -57,8 +58,8 @@ class Room(NamedTuple):
     cells_along : array of int, shape (6, 2)
         Number of cells of each wall along a and b.
     grid : array, shape (6, 2, n)
-        What `cell_at` needs of each wall along a and b: the wall's first cell, the number of cells, the number of checks, then
-        the first cell of each row of checks, then where the cells begin and end.
+        What `cell_at` needs of each wall along a and b: the wall's first cell, the number of cells, the number of
+        checks, then the first cell of each row of checks, then where the cells begin and end.
     cell_wall : array of int, shape (C,)
         Wall of each cell.
     cell_low, cell_high : array, shape (C, 2)
@@ -117,8 +118,8 @@ def build_room(scene: Scene, *, width_over_gap: float) -> Room:
     ends = [[lines[2 * wall + side][place[cell, side] :][:2] for side in (0, 1)] for cell, wall in enumerate(cell_wall)]
     cell_low, cell_high = np.moveaxis(np.array(ends), 2, 0)
     middle = (cell_low + cell_high) / 2
-    axis = cell_wall // 2
-    checks = np.floor((middle - np.stack([low[(axis + 1) % 3], low[(axis + 2) % 3]], axis=1)) / box.check_size)
+    axes = cell_wall // 2
+    checks = np.floor((middle - np.stack([low[(axes + 1) % 3], low[(axes + 2) % 3]], axis=1)) / box.check_size)
     is_light = (cell_wall == CEILING) & (middle > light_low[::-1]).all(1) & (middle < light_high[::-1]).all(1)
     reflectance = np.where(checks.sum(1) % 2 == 0, box.dark_reflectance, box.light_reflectance)
     return Room(
@@ -226,9 +227,7 @@ def leave_box(
 
 
 @compiled
-def cell_at(
-    box: Box, grid: NDArray[np.float64], wall: int, x: float, y: float, z: float
-) -> tuple[int, float, float]:
+def cell_at(box: Box, grid: NDArray[np.float64], wall: int, x: float, y: float, z: float) -> tuple[int, float, float]:
     """Cell of a point on a wall, and its coordinates in that cell, each from 0 to 1."""
     if wall < 2:
         a, b, low_a, low_b = y, z, box.low[1], box.low[2]

@@ -1,11 +1,13 @@
 """One solution of a scene: from its fields to the coefficients of every pixel, at one level of fineness, for one seed.
 
-Luminance is the polynomial ``Σ C_ij ρd^i ρs^j`` of the paint. A wall pixel's coefficients are the fields themselves times the
-check's ρ/π. A sphere pixel adds one more meeting: ρd/π times the irradiance there, and ρs times the mirrored room.
+Luminance is the polynomial ``Σ C_ij ρd^i ρs^j`` of the paint. A wall pixel's coefficients are the fields themselves
+times the check's ρ/π. A sphere pixel adds one more meeting: ρd/π times the irradiance there, and ρs times the mirrored
+room.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,10 +154,10 @@ class _View:
         return _image(rows)
 
     def _mirrored(self, alpha: float, patches: NDArray[np.float32]) -> Iterator[NDArray[np.float64]]:
-        """Radiance of the mirrored room in the pixels of each film map: from a table, or pixel by pixel if that is less."""
+        """Radiance of the mirrored room in the pixels of each map: from a table, or pixel by pixel if that is less."""
         room, camera, level = self.room, self.camera, self.level
         outline = outline_radius_pixels(camera)
-        lobe = {"alpha": alpha, "form": self.form}
+        lobe: dict[str, Any] = {"alpha": alpha, "form": self.form}
         rng = np.random.default_rng(self.lobe_seed)
         disc = min(np.pi * outline**2, camera.width * camera.height)
         if table_points(alpha, level.table_spacing) * level.table_samples <= disc * level.pixel_samples:

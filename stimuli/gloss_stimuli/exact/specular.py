@@ -3,8 +3,8 @@
 Both are estimated at each node from evenly spread samples that every node shifts for itself.
 
 - *From the walls*: a ray through the sphere's cone, and a half vector of the lobe there.
-- *From the light*: a point of the light, then a point of the sphere near the one that mirrors it to the node. A Gaussian of
-  width α about the mirror's normal follows the lobe so closely that few samples are needed.
+- *From the light*: a point of the light, then a point of the sphere near the one that mirrors it to the node. A
+  Gaussian of width α about the mirror's normal follows the lobe so closely that few samples are needed.
 """
 
 import math
@@ -29,7 +29,7 @@ SMALLEST_COSINE = 0.1
 
 
 def lattice_steps(count: int) -> NDArray[np.float64]:
-    """Powers of the generalised golden ratio: steps of an evenly spread sequence in `count` dimensions (Roberts 2018)."""
+    """Steps of an evenly spread sequence in `count` dimensions: powers of a generalised golden ratio (Roberts 2018)."""
     ratio = 2.0
     for _ in range(60):
         ratio = (1 + ratio) ** (1 / (count + 1))
@@ -78,8 +78,8 @@ def light_by_sphere(
     """
     out = np.zeros(len(nodes.points))
     for_rows(
-        _light_rows, len(nodes.points), room, nodes.points, nodes.wall, shifts, samples, alpha, FORMS.index(form), STEPS,
-        out,
+        _light_rows, len(nodes.points), room, nodes.points, nodes.wall, shifts, samples, alpha, FORMS.index(form),
+        STEPS, out,
     )  # fmt: skip
     return out
 
@@ -147,7 +147,7 @@ def _wall_rows(
 def _mirror_normal(
     radius: float, px: float, py: float, pz: float, lx: float, ly: float, lz: float
 ) -> tuple[float, float, float]:
-    """Normal where a sphere about the origin mirrors one point to another, nearly: Alhazen's problem, by damped steps."""
+    """Normal where a sphere about the origin nearly mirrors one point to another: Alhazen's problem, by damped steps."""
     nx, ny, nz = 0.0, 0.0, 0.0
     for step in range(MIRROR_STEPS):
         ex, ey, ez = px - radius * nx, py - radius * ny, pz - radius * nz

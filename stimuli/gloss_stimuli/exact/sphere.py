@@ -1,7 +1,7 @@
 """The sphere among the walls: what it hides, the irradiance it receives, and the light it returns diffusely.
 
-Seen from a wall, the sphere fills a cone. Rays of a shifted lattice through that cone tell which wall lies behind, to be
-taken out of the empty box's matrix, and which point of the sphere lies in front.
+Seen from a wall, the sphere fills a cone. Rays of a shifted lattice through that cone tell which wall lies behind, to
+be taken out of the empty box's matrix, and which point of the sphere lies in front.
 """
 
 import math
@@ -37,7 +37,7 @@ def hide_walls(room: Room, nodes: Nodes, shifts: NDArray[np.float64], rays: int,
 def sphere_to_walls(
     room: Room, nodes: Nodes, shifts: NDArray[np.float64], rays: int, texture: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Irradiance at the nodes, shape (N, K), from a sphere of radiosity `texture`, shape (T, 2 T, K): see `sphere_grid`."""
+    """Irradiance at the nodes, shape (N, K), from a sphere of radiosity `texture` on a `sphere_grid`, (T, 2 T, K)."""
     out = np.zeros((len(nodes.points), texture.shape[2]))
     for_rows(_returned_rows, len(nodes.points), room, nodes.points, nodes.wall, shifts, rays, texture, out)
     return out
@@ -69,8 +69,8 @@ def sphere_texels(nx: float, ny: float, nz: float, rows: int) -> tuple[int, int,
     u = math.acos(min(max(ny, -1.0), 1.0)) * (rows / math.pi) - 0.5
     v = math.atan2(nz, nx)
     v = (v + 2 * math.pi if v < 0 else v) * (rows / math.pi) - 0.5
-    row = min(max(int(math.floor(u)), 0), rows - 2)
-    column = int(math.floor(v))
+    row = min(max(math.floor(u), 0), rows - 2)
+    column = math.floor(v)
     return row, (column + 2 * rows) % (2 * rows), (column + 1) % (2 * rows), u - row, v - column
 
 
@@ -89,7 +89,7 @@ def cone(
 
 @compiled
 def rays_of_cone(rays: int, spread: float) -> int:
-    """Rays that give every cone the same error of irradiance: a lattice of n errs by n^-3/4 of the cone's share of it."""
+    """Rays that give every cone the same error of irradiance: n of them err by n^-3/4 of the cone's share."""
     share = spread * (2 - spread)  # sin² of the half angle
     return max(FEWEST_RAYS, int(rays * share ** (4 / 3)))
 

@@ -1,11 +1,12 @@
 """Fields as they are seen: the irradiance of walls and sphere on fine grids, true up to the edges of the room.
 
-Near an edge a wall's irradiance follows the checks of the wall that it meets, on ever smaller scales. So it is put together
-from three parts: the light, exactly; the cells across the edge, by product integration at each texel; and the smooth rest,
-by cubic splines through the nodes. The cells across the edge kink there themselves, which the polynomials of the nodes
-miss; a few passes add what the textures know better than they (`_edge_pass`).
+Near an edge a wall's irradiance follows the checks of the wall that it meets, on ever smaller scales. So it is put
+together from three parts: the light, exactly; the cells across the edge, by product integration at each texel; and the
+smooth rest, by cubic splines through the nodes. The cells across the edge kink there themselves, which the polynomials
+of the nodes miss; a few passes add what the textures know better than they (`_edge_pass`).
 
-Texels lie at u = (1 - cos θ) / 2 with θ in equal steps, dense towards the edges of a cell, and are looked up linearly in θ.
+Texels lie at u = (1 - cos θ) / 2 with θ in equal steps, dense towards the edges of a cell, and are looked up linearly
+in θ.
 """
 
 import math
@@ -91,7 +92,9 @@ def _splined(room: Room, nodes: Nodes, u: NDArray[np.float64], values: NDArray[n
             )
             grid = make_interp_spline(knots, grid, k=min(3, len(knots) - 1), axis=axis)(texels)
         t = len(u)
-        out[begin:end] = grid.reshape(along_b, t, along_a, t, -1).transpose(0, 2, 1, 3, 4).reshape(-1, t, t, out.shape[3])
+        out[begin:end] = (
+            grid.reshape(along_b, t, along_a, t, -1).transpose(0, 2, 1, 3, 4).reshape(-1, t, t, out.shape[3])
+        )
     return out
 
 
@@ -170,7 +173,7 @@ def patch_texture(room: Room, texture: NDArray[np.float64], count: int) -> NDArr
 def sphere_texture(
     room: Room, nodes: Nodes, level: Level, irradiance: NDArray[np.float64], *, with_light: bool
 ) -> NDArray[np.float64]:
-    """Irradiance of the sphere, shape (T, 2 T, K): indirect light interpolated from a coarser grid, the light itself exact."""
+    """Irradiance of the sphere, shape (T, 2 T, K): indirect light splined from a coarser grid, the light exactly."""
     rows = level.sphere_texture_rows // COARSENING
     coarse = sphere_grid(rows)
     values = walls_to_sphere(room, coarse.reshape(-1, 3), nodes, irradiance * nodes.reflectance[:, None])
