@@ -1,4 +1,4 @@
-"""What a renderer is: anything that turns stimuli into luminance with an honest error. The set renderer asks no more."""
+"""What a renderer is: anything that turns stimuli into luminance with an honest error; set rendering asks no more."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field

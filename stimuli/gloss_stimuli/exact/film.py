@@ -149,6 +149,79 @@ def _put_sphere(camera: Camera, column: float, row: float, weight: float, at: in
 
 
 @compiled
+def _cut_line(
+    box: Box, camera: Camera, base: int, along: float, by_rows: bool, cuts: NDArray[np.float64],
+    pieces: NDArray[np.int64],
+) -> int:  # fmt: skip
+    """Cut a line across a pixel where the surface changes; the number of pieces.
+
+    Piece k runs from cuts[k] to cuts[k + 1] and shows the surface pieces[k].
+    """
+    previous, name = float(base), _identity_across(box, camera, base, along, by_rows)
+    cuts[0], pieces[0], n = previous, name, 1
+    for probe in range(1, PROBES + 1):
+        x = base + probe / PROBES
+        found = _identity_across(box, camera, x, along, by_rows)
+        if found != name:
+            low, high = previous, x
+            for _ in range(BISECTIONS):
+                half = 0.5 * (low + high)
+                if _identity_across(box, camera, half, along, by_rows) == name:
+                    low = half
+                else:
+                    high = half
+            cuts[n], pieces[n] = 0.5 * (low + high), found
+            n += 1
+        previous, name = x, found
+    cuts[n] = base + 1.0
+    return n
+
+
+@compiled
+def _towards_outline(low: float, high: float, before: bool, after: bool, k: int) -> tuple[float, float]:
+    """Place and share of the k-th sample of a piece that shows the sphere, with its outline before or after it."""
+    z = (k + 0.5) / OUTLINE_SAMPLES
+    if before and not after:
+        return low + (high - low) * z * z, 2 * z
+    if after and not before:
+        return high - (high - low) * z * z, 2 * z
+    return low + (high - low) * z, 1.0
+
+
+@compiled
+def _edge_pixel(
+    room: Room, camera: Camera, column: int, row: int, by_rows: bool, lines: int, texels: int, fill: bool, to_wall: int,
+    to_sphere: int, columns: NDArray[np.int32], data: NDArray[np.float64], seen: NDArray[np.float64],
+) -> tuple[int, int, float]:  # fmt: skip
+    """Sample a pixel with an edge in it; where its wall and sphere samples end, and the light's share."""
+    box, grid, reflectance = room.box, room.grid, room.reflectance
+    cuts, pieces = np.empty(PROBES + 2), np.empty(PROBES + 1, np.int64)
+    base, other = (row, column) if by_rows else (column, row)
+    lit = 0.0
+    for line in range(lines):
+        along = other + (line + 0.5) / lines
+        n = _cut_line(box, camera, base, along, by_rows, cuts, pieces)
+        for piece in range(n):
+            low, high = cuts[piece], cuts[piece + 1]
+            weight = (high - low) / lines
+            if pieces[piece] == LIT:
+                lit += weight
+            elif pieces[piece] == ON_SPHERE:
+                for k in range(OUTLINE_SAMPLES):
+                    x, share = _towards_outline(low, high, piece > 0, piece < n - 1, k)
+                    if fill:
+                        u, v = (along, x) if by_rows else (x, along)
+                        _put_sphere(camera, u, v, share * weight / OUTLINE_SAMPLES, to_sphere, seen)
+                    to_sphere += 1
+            else:
+                if fill:
+                    u, v = (along, 0.5 * (low + high)) if by_rows else (0.5 * (low + high), along)
+                    _put_wall(box, grid, reflectance, camera, u, v, weight, texels, to_wall, columns, data)
+                to_wall += 1
+    return to_wall, to_sphere, lit
+
+
+@compiled
 def _film_rows(
     start: int, stop: int, room: Room, camera: Camera, pixels: NDArray[np.int64], texels: int, lines: int,
     outline: float, fill: bool, counts: NDArray[np.int64], starts: NDArray[np.int64], columns: NDArray[np.int32],
@@ -156,88 +229,36 @@ def _film_rows(
 ) -> None:  # fmt: skip
     """Count the samples of each pixel, or write them where `starts` says."""
     box, grid, reflectance = room.box, room.grid, room.reflectance
-    cuts, pieces = np.empty(PROBES + 2), np.empty(PROBES + 1, np.int64)
     for p in range(start, stop):
         row, column = pixels[p] // camera.width, pixels[p] % camera.width
-        to_wall, to_sphere = starts[p, 0], starts[p, 1]
-        lit = 0.0
+        to_wall, to_sphere, lit = starts[p, 0], starts[p, 1], 0.0
         dx, dy, dz = camera_ray(camera, column + 0.5, row + 0.5)
         sine, _, _ = seen_on_sphere(camera, dx, dy, dz)
         middle = _identity(box, camera, column + 0.5, row + 0.5)
         upper_left, upper_right = _identity(box, camera, column, row), _identity(box, camera, column + 1, row)
         lower_left, lower_right = _identity(box, camera, column, row + 1), _identity(box, camera, column + 1, row + 1)
         uniform = middle == upper_left == upper_right == lower_left == lower_right
-        if uniform and abs(sine - 1) * outline >= OUTLINE_MARGIN:
-            if middle == ON_SPHERE:
-                side = INNER_SAMPLES if sine < RIM else RIM_SAMPLES
-                if fill:
-                    for j in range(side):
-                        for i in range(side):
-                            _put_sphere(
-                                camera, column + (i + 0.5) / side, row + (j + 0.5) / side, 1 / (side * side),
-                                to_sphere + j * side + i, seen,
-                            )  # fmt: skip
-                to_sphere += side * side
-            elif middle == LIT:
-                lit = 1.0
-            else:
-                if fill:
-                    _put_wall(
-                        box, grid, reflectance, camera, column + 0.5, row + 0.5, 1.0, texels, to_wall, columns, data
-                    )
-                to_wall += 1
-        else:
+        if not uniform or abs(sine - 1) * outline < OUTLINE_MARGIN:
             changes_x = (upper_left != upper_right) + (lower_left != lower_right)
             changes_y = (upper_left != lower_left) + (upper_right != lower_right)
-            by_rows = changes_y > changes_x
             count = lines * CORNER_LINES if changes_x > 0 and changes_y > 0 else lines
-            base, other = (row, column) if by_rows else (column, row)
-            for line in range(count):
-                along = other + (line + 0.5) / count
-                previous, name = float(base), _identity_across(box, camera, base, along, by_rows)
-                cuts[0], pieces[0], n = previous, name, 1
-                for probe in range(1, PROBES + 1):
-                    x = base + probe / PROBES
-                    found = _identity_across(box, camera, x, along, by_rows)
-                    if found != name:
-                        low, high = previous, x
-                        for _ in range(BISECTIONS):
-                            half = 0.5 * (low + high)
-                            if _identity_across(box, camera, half, along, by_rows) == name:
-                                low = half
-                            else:
-                                high = half
-                        cuts[n], pieces[n] = 0.5 * (low + high), found
-                        n += 1
-                    previous, name = x, found
-                cuts[n] = base + 1.0
-                for piece in range(n):
-                    length = cuts[piece + 1] - cuts[piece]
-                    if pieces[piece] == LIT:
-                        lit += length / count
-                    elif pieces[piece] == ON_SPHERE:
-                        outline_before, outline_after = piece > 0, piece < n - 1
-                        for k in range(OUTLINE_SAMPLES):
-                            z = (k + 0.5) / OUTLINE_SAMPLES
-                            x, share = cuts[piece] + length * z, 1.0
-                            if outline_before and not outline_after:
-                                x, share = cuts[piece] + length * z * z, 2 * z
-                            elif outline_after and not outline_before:
-                                x, share = cuts[piece + 1] - length * z * z, 2 * z
-                            weight = share * length / (OUTLINE_SAMPLES * count)
-                            if fill:
-                                _put_sphere(
-                                    camera, along if by_rows else x, x if by_rows else along, weight, to_sphere, seen
-                                )
-                            to_sphere += 1
-                    else:
-                        x = cuts[piece] + 0.5 * length
-                        if fill:
-                            _put_wall(
-                                box, grid, reflectance, camera, along if by_rows else x, x if by_rows else along, length
-                                / count, texels, to_wall, columns, data,
-                            )  # fmt: skip
-                        to_wall += 1
+            to_wall, to_sphere, lit = _edge_pixel(
+                room, camera, column, row, changes_y > changes_x, count, texels, fill, to_wall, to_sphere, columns,
+                data, seen,
+            )  # fmt: skip
+        elif middle == ON_SPHERE:
+            side = INNER_SAMPLES if sine < RIM else RIM_SAMPLES
+            for k in range(side * side if fill else 0):
+                u, v = column + (k % side + 0.5) / side, row + (k // side + 0.5) / side
+                _put_sphere(camera, u, v, 1 / (side * side), to_sphere + k, seen)
+            to_sphere += side * side
+        elif middle == LIT:
+            lit = 1.0
+        else:
+            if fill:
+                u, v = column + 0.5, row + 0.5
+                _put_wall(box, grid, reflectance, camera, u, v, 1.0, texels, to_wall, columns, data)
+            to_wall += 1
         counts[p, 0], counts[p, 1] = to_wall - starts[p, 0], to_sphere - starts[p, 1]
         light[p] = lit
 

@@ -81,8 +81,8 @@ LEVELS = (
     ),
     Level(
         width_over_gap=1.0, nodes=5, edge_points=13, light_lines=250, cone_rays=16384, lobe_samples=1024,
-        sphere_rows=64,        texels=24, patch_texels=15, sphere_texture_rows=320, edge_passes=4, table_spacing=0.36, table_samples=2584,
-        light_points=24, lines=33, pixel_samples=8192,
+        sphere_rows=64, texels=24, patch_texels=15, sphere_texture_rows=320, edge_passes=4, table_spacing=0.36,
+        table_samples=2584, light_points=24, lines=33, pixel_samples=8192,
     ),
     Level(
         width_over_gap=0.9, nodes=5, edge_points=15, light_lines=400, cone_rays=65536, lobe_samples=4096,

@@ -147,7 +147,7 @@ def _wall_rows(
 def _mirror_normal(
     radius: float, px: float, py: float, pz: float, lx: float, ly: float, lz: float
 ) -> tuple[float, float, float]:
-    """Normal where a sphere about the origin nearly mirrors one point to another: Alhazen's problem, by damped steps."""
+    """Normal where a sphere about the origin nearly mirrors one point to another: Alhazen's problem, damped steps."""
     nx, ny, nz = 0.0, 0.0, 0.0
     for step in range(MIRROR_STEPS):
         ex, ey, ez = px - radius * nx, py - radius * ny, pz - radius * nz
