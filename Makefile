@@ -1,6 +1,6 @@
 # `make reproduce` and `make test` are all a newcomer needs: each makes .venv, with everything in it, first.
 OUT ?= out
-QUALITY ?= draft
+QUALITY ?= exact
 SEED ?= 1
 BIN = .venv/bin
 

@@ -33,7 +33,8 @@ MANIFEST_FORMAT = "glossspace/stimulus-set"
 MANIFEST_VERSION = 1
 
 # What every stimulus of a manifest must state; more may stand beside it.
-STIMULUS_FIELDS = ("name", "rho_d", "rho_s", "alpha", "image", "luminance", "sha256")
+FILE_KINDS = ("image", "luminance")
+STIMULUS_FIELDS = ("name", "rho_d", "rho_s", "alpha", *FILE_KINDS, "sha256")
 
 
 def stimulus_name(rho_d: float, rho_s: float, alpha: float) -> str:
@@ -171,7 +172,7 @@ def read_stimulus_set(folder: str | Path, *, verify: bool = True) -> StimulusSet
     folder : path
         The folder that holds ``manifest.json``.
     verify : bool, optional
-        Compare the SHA-256 of every file with the manifest's. Missing files are found either way.
+        Compare the SHA-256 of every listed file with the manifest's. Missing files are found either way.
 
     Returns
     -------
@@ -256,13 +257,19 @@ def _read_stimulus(entry: Any, path: Path) -> Stimulus:
 
 
 def _check_files(folder: Path, entry: dict[str, Any], path: Path, *, verify: bool) -> None:
-    for kind in ("image", "luminance"):
-        file = folder / str(entry[kind])
+    hashes = entry["sha256"] if isinstance(entry["sha256"], dict) else {}
+    # Beside what every stimulus has, whatever else the manifest holds a hash of, such as an image of 16 bits.
+    for kind in dict.fromkeys((*FILE_KINDS, *hashes)):
+        if not isinstance(entry.get(kind), str):
+            raise GlossError(
+                f"The manifest '{path}' names no file for the {kind} of '{entry['name']}'. Render the set again."
+            )
+        file = folder / entry[kind]
         if not file.is_file():
             raise GlossError(
                 f"The {kind} of '{entry['name']}' is missing: there is no '{file}'. Render the set again or restore it."
             )
-        recorded = entry["sha256"].get(kind) if isinstance(entry["sha256"], dict) else None
+        recorded = hashes.get(kind)
         if not isinstance(recorded, str):
             raise GlossError(
                 f"The manifest '{path}' holds no hash for the {kind} of '{entry['name']}'. Render the set again."

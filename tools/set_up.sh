@@ -4,11 +4,13 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-# Mitsuba compiles its kernels with the system's LLVM; versions below 19 abort the process. Dr.Jit is linked to libatomic.
-wanted="libllvm19 libatomic1"
-# The observer's window: OpenGL and X for PsychoPy, a virtual screen and a scripted pointer for its tests.
+# A reproduction is numba and simulated observers: pip brings all that it needs. The tests also need
+# - LLVM, with which Mitsuba compiles its kernels (versions below 19 abort the process), and libatomic for Dr.Jit;
+# - the observer's window: OpenGL and X for PsychoPy, a virtual screen and a scripted pointer.
+wanted=""
 if [ "${1:-reproduce}" = test ]; then
-    wanted="$wanted libgl1 libglu1-mesa libgl1-mesa-dri libx11-6 libxext6 libxxf86vm1 libxinerama1 libxi6 libegl1
+    wanted="libllvm19 libatomic1
+        libgl1 libglu1-mesa libgl1-mesa-dri libx11-6 libxext6 libxxf86vm1 libxinerama1 libxi6 libegl1
         libglib2.0-0 libfontconfig1 libdbus-1-3 fontconfig fonts-dejavu-core xvfb xauth xdotool"
 fi
 
@@ -46,7 +48,7 @@ if command -v dpkg-query >/dev/null 2>&1; then
         $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
     fi
 else
-    echo "This is no Debian system: make sure that it has the counterparts of: $wanted" >&2
+    [ -z "$wanted" ] || echo "This is no Debian system: make sure that it has the counterparts of: $wanted" >&2
 fi
 
 stamp=.venv/.complete

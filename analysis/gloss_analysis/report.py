@@ -191,7 +191,12 @@ def _rendering_summary(stimuli: StimulusSet) -> str:
     manifest = stimuli.manifest
     # Another program may have rendered the set, and say less of how.
     rendering = manifest.get("rendering") or {}
-    parts = [f"{key} {rendering[key]}" for key in ("method", "quality", "seed") if key in rendering]
+    parts = [f"{key} {rendering[key]}" for key in ("method", "quality") if key in rendering]
+    if target := rendering.get("target"):
+        share = f"{100 * target['fraction']:g} % of the pixels"
+        parts.append(f"target {target['max_code_error']:g} code values on {share} of every image")
+    if "seed" in rendering:
+        parts.append(f"seed {rendering['seed']}")
     errors = [entry["error_estimate"] for entry in manifest["stimuli"] if entry.get("error_estimate")]
     if errors:
         median = max(error["median"] for error in errors)

@@ -12,7 +12,7 @@ __all__ = ["reproduce"]
 def reproduce(
     *,
     out: Path,
-    quality: Literal["draft", "exact"] = "draft",
+    quality: Literal["draft", "exact"] = "exact",
     size: WholeNumber = 512,
     seed: Seed = 1,
     jobs: NumberOfJobs = 0,
@@ -27,14 +27,14 @@ def reproduce(
 
         gloss reproduce --out study
 
-        gloss reproduce --out study-2 --quality exact --seed 2 --json
+        gloss reproduce --out study-2 --quality draft --size 256 --seed 2 --json
 
     Parameters
     ----------
     out
         The folder to fill.
     quality
-        Of the images: draft is quick, exact takes its time.
+        Of the images: exact is half a code value on 99.9 % of the pixels of every image, draft two on 99 %.
     size
         Width and height of the images in pixels; an even number.
     seed

@@ -55,7 +55,7 @@ class Reproduction:
 def reproduce_study(
     study: Path,
     *,
-    quality: Quality = "draft",
+    quality: Quality = "exact",
     size: int = 512,
     seed: int = 1,
     n_jobs: int = 1,
@@ -70,7 +70,7 @@ def reproduce_study(
     study : Path
         The folder to fill; see `gloss_analysis.study` for its layout.
     quality : {"draft", "exact"}
-        Of the images; see `gloss_stimuli.render_set`.
+        Error target of the images; see `gloss_stimuli.render_set`.
     size : int
         Width and height of the images in pixels, even.
     seed : int
@@ -97,7 +97,8 @@ def reproduce_study(
 
     for name in STIMULUS_SETS:
         on_step(f"Stimuli: {name}")
-        cache = study / "stimuli" / "coefficients"  # shared: sets with a roughness in common share its rendering
+        # Sets with a roughness in common share its solution; it lies here so that the study can be finished elsewhere.
+        cache = study / "stimuli" / "coefficients"
         folder = stimulus_folder(study, name)
         render_set(name, folder, size=size, quality=quality, seed=image_seed, cache=cache)
 

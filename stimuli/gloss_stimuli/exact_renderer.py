@@ -6,6 +6,8 @@ noise. An image that is not good enough takes the next level. Coefficients are k
 level and α.
 """
 
+import contextlib
+import os
 import zipfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -140,6 +142,9 @@ class ExactRenderer:
                     step()
 
     def _pair(self, level: int, alpha: float | None) -> Pair:
+        for one in (level, level + 1):
+            with contextlib.suppress(OSError):
+                os.utime(self._path(one, alpha))  # used now: the cache drops what was used longest ago
         first, second = self._load(level, alpha), self._load(level + 1, alpha)
         if first is None or second is None:
             raise FileNotFoundError(f"Finished coefficients have gone from '{self.cache}' while they were needed.")
@@ -150,7 +155,7 @@ class ExactRenderer:
             # Opened here: numpy leaves a damaged file open.
             with self._path(level, alpha).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
                 coefficients: NDArray[np.float32] = stored["coefficients"]
-        except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+        except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile):
             return None  # absent or damaged: it is made again
         film = self.scene.film
         terms = len(DIFFUSE_EXPONENTS if alpha is None else SPECULAR_EXPONENTS)

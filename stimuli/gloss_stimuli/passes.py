@@ -118,7 +118,7 @@ class PassPlan:
             # Opened here: numpy leaves a damaged file open.
             with self._path(alpha).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
                 mean, covariance = stored["mean"], stored["covariance"]
-        except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+        except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile):
             return None  # absent or damaged: it is made again
         pixels = self.scene.film.width * self.scene.film.height
         if mean.shape != (len(exponents), pixels) or covariance.shape != (terms * (terms + 1) // 2, pixels):

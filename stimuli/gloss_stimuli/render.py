@@ -170,7 +170,7 @@ class _Job:
             "tone", "display", "luminance_table", "images", "code_error", "render", "measurements", "mirrored_checks",
             "mirror", "edge_width",
             luminance=self.renderer.key(stimulus), target=self.target.to_dict(), stimulus=asdict(stimulus),
-            tone=self.tone.to_dict(), display=self.display.to_dict(),
+            tone=self.tone.to_dict(), display=self.display.to_dict(), viewing=self.scene.viewing.model_dump(mode="json"),
         )  # fmt: skip
 
     def record_path(self, stimulus: Stimulus) -> Path:

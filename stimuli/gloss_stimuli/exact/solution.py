@@ -30,6 +30,9 @@ SPECULAR_EXPONENTS = ((0, 1), (1, 1), (0, 2), (2, 1), (1, 2), (0, 3))
 
 # A lobe wider than this part of the normal's turn across a pixel leaves the light's image smooth between samples.
 SMOOTH_LIGHT = 0.5
+# A sphere of fewer pixels than this gets more lobe samples for each: an edge crosses more of them, and time is there.
+FULL_SPHERE_PIXELS = 25_000
+MOST_REPEATS = 32
 # Pixels mapped, and roughnesses solved, at once: they bound memory.
 BAND_PIXELS = 1 << 18
 BATCH = 12
@@ -160,7 +163,8 @@ class _View:
         lobe: dict[str, Any] = {"alpha": alpha, "form": self.form}
         rng = np.random.default_rng(self.lobe_seed)
         disc = min(np.pi * outline**2, camera.width * camera.height)
-        if table_points(alpha, level.table_spacing) * level.table_samples <= disc * level.pixel_samples:
+        samples = level.pixel_samples * int(np.clip(FULL_SPHERE_PIXELS / disc, 1, MOST_REPEATS))
+        if table_points(alpha, level.table_spacing) * level.table_samples <= disc * samples:
             table = make_table(
                 room, camera, patches, rng, spacing=level.table_spacing, samples=level.table_samples,
                 light_points=level.light_points, **lobe,
@@ -172,7 +176,7 @@ class _View:
         for pixels, film in self.films:
             seen = (film.sphere_start, film.x, film.y, film.weight)
             radiance = radiance_of_pixels(
-                room, camera, pixels, *seen, patches, rng, samples=level.pixel_samples, with_light=not smooth, **lobe
+                room, camera, pixels, *seen, patches, rng, samples=samples, with_light=not smooth, **lobe
             )
             if smooth:
                 radiance[:, 0] += light_in_pixels(room, camera, *seen, points=level.light_points, **lobe)
