@@ -13,6 +13,9 @@ CACHE_VARIABLE = "GLOSSSPACE_CACHE"
 # About forty sets of 27 stimuli; the files used longest ago go first.
 LARGEST_BYTES = 2 * 10**9
 
+# What the renderers write; whatever else lies in a folder that a user named is not ours to delete.
+RESULTS = ("exact-*.npz", "coefficients-*.npz")
+
 
 def cache_folder(wanted: str | Path | None, *, out: Path) -> Path:
     """The folder asked for; else that of the variable GLOSSSPACE_CACHE; else the user's own; else one inside `out`.
@@ -39,7 +42,7 @@ def cache_folder(wanted: str | Path | None, *, out: Path) -> Path:
 def trim_cache(folder: Path, *, largest_bytes: int = LARGEST_BYTES) -> None:
     """Delete the results that were used longest ago, until the folder holds no more than `largest_bytes`."""
     files = []
-    for path in folder.glob("*.npz"):
+    for path in (path for pattern in RESULTS for path in folder.glob(pattern)):
         try:
             files.append((path.stat().st_mtime, path.stat().st_size, path))
         except FileNotFoundError:  # another rendering has just deleted it

@@ -36,7 +36,7 @@ class Coefficients:
 
     def luminance(self, rho_d: float, rho_s: float) -> NDArray[np.float64]:
         """Luminance (cd/m²) of each pixel, shape (P,)."""
-        return _monomials(self.exponents, rho_d, rho_s) @ self.mean.astype(np.float64)
+        return _weighted_sum(_monomials(self.exponents, rho_d, rho_s), self.mean)
 
     def variance(self, rho_d: float, rho_s: float) -> NDArray[np.float64]:
         """Variance of the error of `luminance`, shape (P,)."""
@@ -44,7 +44,7 @@ class Coefficients:
         first, second = np.triu_indices(len(terms))
         weights = np.where(first == second, 1.0, 2.0) * terms[first] * terms[second]
         # Rounding of float32 may leave a hair below zero where the terms cancel.
-        return np.maximum(weights @ self.covariance.astype(np.float64), 0.0)
+        return np.maximum(_weighted_sum(weights, self.covariance), 0.0)
 
 
 def average(exponents: Exponents, estimates: Iterable[NDArray[np.float32]]) -> Coefficients:
@@ -76,6 +76,14 @@ def average(exponents: Exponents, estimates: Iterable[NDArray[np.float32]]) -> C
         raise ValueError(f"An error estimate needs at least two independent estimates, but got {count}.")
     covariance = moments / ((count - 1) * count)
     return Coefficients(exponents, mean.astype(np.float32), covariance.astype(np.float32))
+
+
+def _weighted_sum(weights: NDArray[np.float64], rows: NDArray[np.float32]) -> NDArray[np.float64]:
+    # Row by row: a product of matrices would round differently for each number of its threads.
+    total = np.zeros(rows.shape[1])
+    for weight, row in zip(weights, rows, strict=True):
+        total += weight * row
+    return total
 
 
 def _monomials(exponents: Exponents, rho_d: float, rho_s: float) -> NDArray[np.float64]:

@@ -77,7 +77,7 @@ class ExactRenderer:
 
     def describe(self) -> dict[str, Any]:
         """Parameters for the manifest."""
-        return {"seed": self.seed, "software": {name: version(name) for name in ("numba", "numpy", "scipy")}}
+        return {"seed": self.seed, "software": _software()}
 
     def render(self, stimuli: Sequence[Stimulus], *, step: Step) -> Iterator[Rendering]:
         """Render stimuli, those that are easily exact first, and by α among them."""
@@ -88,8 +88,8 @@ class ExactRenderer:
             for one in (level, level + 1) if level == first else (level + 1,):
                 self._complete(one, alphas, step)
             diffuse = self._pair(level, None)
-            monomials = _monomials(DIFFUSE_EXPONENTS, 1.0, 0.0)
-            white = self._shaped((monomials @ diffuse[0] + monomials @ diffuse[1]) / 2)
+            whites = [_polynomial(DIFFUSE_EXPONENTS, one, 1.0, 0.0) for one in diffuse]
+            white = self._shaped((whites[0] + whites[1]) / 2)
             failed = []
             for alpha in [None, *alphas]:
                 specular = None if alpha is None else self._pair(level, alpha)
@@ -109,11 +109,11 @@ class ExactRenderer:
     def _compose(
         self, stimulus: Stimulus, level: int, diffuse: Pair, specular: Pair | None, white: NDArray[np.float64]
     ) -> Rendering:
-        monomials = _monomials(DIFFUSE_EXPONENTS, stimulus.rho_d, stimulus.rho_s)
-        solutions = [monomials @ one for one in diffuse]
+        paint = (stimulus.rho_d, stimulus.rho_s)
+        solutions = [_polynomial(DIFFUSE_EXPONENTS, one, *paint) for one in diffuse]
         if specular is not None:
-            monomials = _monomials(SPECULAR_EXPONENTS, stimulus.rho_d, stimulus.rho_s)
-            solutions = [own + monomials @ one for own, one in zip(solutions, specular, strict=True)]
+            mirrored = [_polynomial(SPECULAR_EXPONENTS, one, *paint) for one in specular]
+            solutions = [own + one for own, one in zip(solutions, mirrored, strict=True)]
         luminance = self._shaped((solutions[0] + solutions[1]) / 2)
         spread = self._shaped((solutions[0] - solutions[1]) / 2)
         error = code_error(luminance, spread, tone=self.tone, display=self.display)
@@ -166,10 +166,19 @@ class ExactRenderer:
 
     def _key(self, level: int, alpha: float | None) -> str:
         return content_key(
-            "exact", geometry=self.scene.geometry(), seed=self.seed, level=level, alpha=alpha, numba=version("numba")
+            "exact", geometry=self.scene.geometry(), seed=self.seed, level=level, alpha=alpha, software=_software()
         )
 
 
-def _monomials(exponents: Sequence[tuple[int, int]], rho_d: float, rho_s: float) -> NDArray[np.float32]:
-    # In the precision of the coefficients, or each product would make a double of them first.
-    return np.array([rho_d**i * rho_s**j for i, j in exponents], dtype=np.float32)
+def _software() -> dict[str, str]:
+    return {name: version(name) for name in ("numba", "numpy", "scipy")}
+
+
+def _polynomial(
+    exponents: Sequence[tuple[int, int]], coefficients: NDArray[np.float32], rho_d: float, rho_s: float
+) -> NDArray[np.float32]:
+    # Term by term: a product of matrices would round differently for each number of its threads.
+    total = np.zeros(coefficients.shape[1], dtype=np.float32)
+    for (i, j), row in zip(exponents, coefficients, strict=True):
+        total += np.float32(rho_d**i * rho_s**j) * row
+    return total

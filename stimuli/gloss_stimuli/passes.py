@@ -1,7 +1,9 @@
 """Coefficient passes and their cache: stimuli of a scene share the diffuse pass, those of one α the specular one."""
 
+import contextlib
 import hashlib
 import math
+import os
 import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -77,6 +79,8 @@ class PassPlan:
         """
         cached = self._load(alpha)
         if cached is not None:
+            with contextlib.suppress(OSError):
+                os.utime(self._path(alpha))  # used now: the cache drops what was used longest ago
             for _ in range(self.randomisations):
                 step()
             return cached

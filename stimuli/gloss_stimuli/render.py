@@ -170,7 +170,7 @@ class _Job:
             "tone", "display", "luminance_table", "images", "code_error", "render", "measurements", "mirrored_checks",
             "mirror", "edge_width",
             luminance=self.renderer.key(stimulus), target=self.target.to_dict(), stimulus=asdict(stimulus),
-            tone=self.tone.to_dict(), display=self.display.to_dict(), viewing=self.scene.viewing.model_dump(mode="json"),
+            tone=self.tone.to_dict(), display=self.display.to_dict(), viewing=self.scene.viewing.model_dump(),
         )  # fmt: skip
 
     def record_path(self, stimulus: Stimulus) -> Path:
@@ -196,8 +196,6 @@ def _render_missing(job: _Job, wanted: StimulusList) -> dict[str, dict[str, Any]
     finished = {stimulus.name: job.finished(stimulus) for stimulus in wanted.stimuli}
     missing = [stimulus for stimulus in wanted.stimuli if finished[stimulus.name] is None]
     if missing:
-        # The images are about to differ from what an older manifest says of them.
-        (job.out / MANIFEST_NAME).unlink(missing_ok=True)
         patches = job.patches
         with progress_bar() as progress:
             total = job.renderer.steps(missing)
@@ -209,6 +207,8 @@ def _render_missing(job: _Job, wanted: StimulusList) -> dict[str, dict[str, Any]
                 progress.update(task, advance=1, total=total)
 
             for rendering in job.renderer.render(missing, step=step):
+                # An image is about to differ from what an older manifest says of it.
+                (job.out / MANIFEST_NAME).unlink(missing_ok=True)
                 finished[rendering.stimulus.name] = _write_stimulus(job, rendering, patches)
     return {name: record for name, record in finished.items() if record is not None}
 
@@ -262,7 +262,7 @@ def _say_error(job: _Job, wanted: StimulusList, entries: list[dict[str, Any]]) -
         more = f" and {len(short) - 3} more" if len(short) > 3 else ""
         verdict = f"Short of the target, {goal}: {', '.join(short[:3])}{more}."
     note(
-        f"{wanted.name}: {len(entries)} stimuli by the method '{job.renderer.method}' ({job.reason}). Estimated error "
+        f"{wanted.name}: {len(entries)} {'stimulus' if len(entries) == 1 else 'stimuli'} by the method '{job.renderer.method}' ({job.reason}). Estimated error "
         f"of the worst image ({worst['name']}): {error['median']:.2g} code values in the median, "
         f"{error['percentile_99_9']:.2g} at 99.9 % of its pixels. {verdict}"
     )

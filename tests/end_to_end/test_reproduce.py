@@ -4,24 +4,26 @@ import base64
 import json
 import re
 from collections import Counter
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import gloss_pipeline.reproduce as pipeline
+from gloss_analysis.report import _rendering_summary
 from gloss_analysis.study import dataset_folder, gloss_space_file, read_study, report_file, stimulus_folder
+from glossspace import cli
 from glossspace.dataset import read_simulated_observers
 from glossspace.errors import GlossError
 from glossspace.metric import GlossSpace
-from glossspace.stimulus_set import read_stimulus_set
+from glossspace.stimulus_set import StimulusSet, read_stimulus_set
 
-SIZE = 32  # pixels: every step is the real one, only the images are small
+# Every step is the real one, only the images are small and less exact than a study's own.
+SMALL = {"size": 32, "quality": "draft"}
 
 
 @pytest.fixture(scope="session")
 def made(tmp_path_factory):
-    return pipeline.reproduce_study(tmp_path_factory.mktemp("study"), size=SIZE, n_jobs=2)
+    return pipeline.reproduce_study(tmp_path_factory.mktemp("study"), **SMALL, n_jobs=2)
 
 
 @pytest.fixture(scope="session")
@@ -35,6 +37,9 @@ def test_every_stimulus_and_every_session_of_the_paper_is_there(study):
         len(read_stimulus_set(stimulus_folder(study, name)).stimuli) for name in ("experiment1", "contrast", "doi")
     ]
     assert counts == [27, 24, 11]
+    for name in ("experiment1", "contrast", "doi"):
+        rendering = read_stimulus_set(stimulus_folder(study, name)).manifest["rendering"]
+        assert (rendering["method"], rendering["target"]) == ("exact", {"max_code_error": 2.0, "fraction": 0.99})
     files = sorted(dataset_folder(study).glob("data/**/*_data.csv"))
     rows = Counter(
         (re.search("task-(.*)_data", path.name)[1], len(path.read_text("utf-8").splitlines()) - 1) for path in files
@@ -92,6 +97,7 @@ def test_the_report_is_one_file_with_the_papers_figures_and_says_what_is_simulat
         assert decoded.startswith(b"\x89PNG" if kind == "png" else b"<?xml")
     assert "are programs, not people" in page
     assert "tests the software, not the paper" in page
+    assert page.count("method exact; target 2 code values on 99 % of the pixels of every image; seed ") == 3
     assert "Real data." in page
 
 
@@ -103,14 +109,14 @@ def test_run_again_it_makes_nothing_anew_and_gives_the_same_report(study):
     before, page = state(), report_file(study).read_bytes()
     assert len(before) == 2 * (27 + 24 + 11) + 2 * 27
     report_file(study).unlink()
-    pipeline.reproduce_study(study, size=SIZE, n_jobs=1)
+    pipeline.reproduce_study(study, **SMALL, n_jobs=1)
     assert state() == before
     assert report_file(study).read_bytes() == page  # also with another number of processes
 
 
 def test_other_settings_are_refused_in_the_same_folder(study):
     with pytest.raises(GlossError, match=r"holds a study made with seed 1 instead of 2\. Use another --out"):
-        pipeline.reproduce_study(study, size=SIZE, seed=2)
+        pipeline.reproduce_study(study, **SMALL, seed=2)
 
 
 @pytest.mark.parametrize("settings", [{"size": 7}, {"seed": -1}, {"seed": 2**32}])
@@ -123,13 +129,41 @@ def test_settings_that_cannot_be_claim_no_folder(tmp_path, settings):
 def test_simulated_answers_never_go_into_a_dataset_of_others(tmp_path):
     dataset_folder(tmp_path).mkdir()
     with pytest.raises(GlossError, match=r"holds 'dataset', but no study of this command\. Use another --out"):
-        pipeline.reproduce_study(tmp_path, size=SIZE)
+        pipeline.reproduce_study(tmp_path, **SMALL)
 
 
 def test_a_study_of_another_version_is_told(tmp_path):
     (tmp_path / "study.json").write_text('{"format": "glossspace/study", "version": 2}')
     with pytest.raises(GlossError, match=r"version 2; this version reads 'glossspace/study', version 1"):
-        pipeline.reproduce_study(tmp_path, size=SIZE)
+        pipeline.reproduce_study(tmp_path, **SMALL)
+
+
+def test_sets_of_a_study_share_what_they_have_in_common_inside_its_folder(study):
+    # Two levels of the diffuse part and of each of the DOI set's eleven roughnesses, which hold those of the others.
+    assert len(list((study / "stimuli" / "coefficients").iterdir())) == 2 * (1 + 11)
+
+
+def test_a_report_on_an_older_set_says_its_quality(study):
+    """Manifests from before error targets name a quality, and open as they did."""
+    folder = stimulus_folder(study, "doi")
+    manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
+    older = {"method": "coefficient path tracing", "quality": "draft", "seed": 7, "randomisations": 8}
+    stimuli = StimulusSet(folder, "doi", (), {**manifest, "rendering": older})
+    assert _rendering_summary(stimuli).startswith("method coefficient path tracing; quality draft; seed 7; error of")
+    assert _rendering_summary(StimulusSet(folder, "doi", (), {"stimuli": [{}]})) == ""
+
+
+def test_without_options_the_images_are_exact_and_of_512_pixels(monkeypatch, tmp_path):
+    class Stop(Exception):
+        pass
+
+    def asked_for(study, **options):
+        assert (study, options["quality"], options["size"], options["seed"]) == (tmp_path, "exact", 512, 1)
+        raise Stop
+
+    monkeypatch.setattr(pipeline, "reproduce_study", asked_for)
+    with pytest.raises(Stop):
+        cli.main(["reproduce", "--out", str(tmp_path)])
 
 
 def test_interrupted_it_goes_on_where_it_was(study, tmp_path, monkeypatch):
@@ -148,17 +182,19 @@ def test_interrupted_it_goes_on_where_it_was(study, tmp_path, monkeypatch):
     monkeypatch.setattr(pipeline, "run_session", interrupted)
     monkeypatch.setattr(pipeline, "read_study", lambda _: (_ for _ in ()).throw(Stop))
     with pytest.raises(Stop):
-        pipeline.reproduce_study(tmp_path, size=SIZE)
+        pipeline.reproduce_study(tmp_path, **SMALL)
     first = {path: path.stat().st_mtime_ns for path in tmp_path.glob("dataset/data/**/*.csv")}
     assert len(first) == 5
     monkeypatch.setattr(pipeline, "run_session", run_session)
     with pytest.raises(Stop):
-        pipeline.reproduce_study(tmp_path, size=SIZE)
+        pipeline.reproduce_study(tmp_path, **SMALL)
     assert {path: path.stat().st_mtime_ns for path in first} == first
     for path in dataset_folder(study).glob("data/**/*.csv"):
         assert (tmp_path / path.relative_to(study)).read_bytes() == path.read_bytes()
 
 
 def test_the_settings_of_a_study_are_kept_with_it(study):
-    assert json.loads(Path(study / "study.json").read_text("utf-8"))["quality"] == "draft"
+    assert json.loads((study / "study.json").read_text("utf-8")) == {
+        "format": "glossspace/study", "version": 1, "quality": "draft", "size": 32, "seed": 1
+    }  # fmt: skip
     assert read_study(study).pairs.values.shape == (9, 351)

@@ -115,6 +115,39 @@ def test_a_changed_file_is_found(tmp_path: Path, kind: str) -> None:
     assert len(read_stimulus_set(tmp_path, verify=False).stimuli) == 2
 
 
+def add_high_bit_images(folder: Path) -> None:
+    """Give every stimulus a further file, as sets for a display of 16 bits have them."""
+
+    def add(manifest: dict) -> None:
+        for entry in manifest["stimuli"]:
+            path = folder / f"{entry['name']}-16-bit.png"
+            path.write_bytes(b"finer")
+            entry["image_high_bit"] = path.name
+            entry["sha256"]["image_high_bit"] = sha256_of(path)
+
+    edit(folder, add)
+
+
+def test_further_files_are_verified_too(tmp_path: Path) -> None:
+    stimuli = read_stimulus_set(make_set(tmp_path))
+    add_high_bit_images(tmp_path)
+    assert read_stimulus_set(tmp_path).stimuli == stimuli.stimuli
+    path = tmp_path / f"{stimuli.stimuli[1].name}-16-bit.png"
+    path.write_bytes(b"coarser")
+    with pytest.raises(GlossError, match=f"hash does not match its image_high_bit: '{path}'.*Render the set again"):
+        read_stimulus_set(tmp_path)
+    assert len(read_stimulus_set(tmp_path, verify=False).stimuli) == 2
+    path.unlink()
+    with pytest.raises(GlossError, match=f"image_high_bit of 'd0.767_.*' is missing: there is no '{path}'"):
+        read_stimulus_set(tmp_path, verify=False)
+
+
+def test_a_hash_without_a_file_is_damage(tmp_path: Path) -> None:
+    edit(make_set(tmp_path), lambda m: m["stimuli"][0]["sha256"].update(image_high_bit="0" * 64))
+    with pytest.raises(GlossError, match=r"manifest\.json' names no file for the image_high_bit of 'd0\.193"):
+        read_stimulus_set(tmp_path)
+
+
 def test_a_missing_file_is_found_even_unverified(tmp_path: Path) -> None:
     make_set(tmp_path)
     next((tmp_path / "image").iterdir()).unlink()
@@ -150,6 +183,8 @@ def test_a_missing_folder_and_a_missing_manifest_are_told_apart(tmp_path: Path) 
         (lambda m: m["stimuli"][0].update(rho_d=1.5), r"cannot be: rho_d \+ rho_s"),
         (lambda m: m["stimuli"][0].update(alpha="rough"), "cannot be: alpha must be a finite number, but is 'rough'"),
         (lambda m: m["stimuli"][0].update(sha256={}), "no hash for the image"),
+        (lambda m: m["stimuli"][0].update(sha256=None), "no hash for the image"),
+        (lambda m: m["stimuli"][0].update(luminance=None), "names no file for the luminance of 'd0.193_s0.066_a0.07'"),
         (lambda m: m["stimuli"].append(dict(m["stimuli"][0])), "lists the stimulus 'd0.193_s0.066_a0.07' twice"),
     ],
 )

@@ -1,11 +1,17 @@
-"""What the stimulus tests share: a working LLVM, scenes written for one test, and a small rendered set."""
+"""What the stimulus tests share: a working LLVM, scenes written for one test, and a small set rendered once."""
 
+import os
+import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from gloss_stimuli.render import render_set
 from gloss_stimuli.scene import Scene, read_scene
+from glossspace.stimulus_set import StimulusSet, read_stimulus_set
 
 
 @pytest.fixture(scope="session")
@@ -31,9 +37,43 @@ def scene_with() -> Callable[..., Scene]:
     return make
 
 
-@pytest.fixture
-def few_paints(tmp_path: Path) -> Path:
+@pytest.fixture(scope="session")
+def few_paints(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A user's list of three paints with two roughnesses."""
-    path = tmp_path / "paints.csv"
+    path = tmp_path_factory.mktemp("lists") / "paints.csv"
     path.write_text("rho_d,rho_s,alpha\n0.03,0.099,0.04\n0.767,0.033,0.04\n0.193,0.066,0.1\n", encoding="utf-8")
     return path
+
+
+@pytest.fixture(scope="session")
+def rendered(few_paints: Path, tmp_path_factory: pytest.TempPathFactory) -> StimulusSet:
+    """`few_paints` by the exact method, as ``size=64, quality="draft"`` makes it; nobody changes its files.
+
+    64 pixels are the least on which the reflected checks are measured. Its coefficients stay in the tests' own cache.
+    """
+    return render_set(few_paints, tmp_path_factory.mktemp("rendered") / "out", size=64, quality="draft")
+
+
+@pytest.fixture
+def own_copy(rendered: StimulusSet, tmp_path: Path) -> StimulusSet:
+    """`rendered` in a folder that one test may do to as it likes."""
+    return read_stimulus_set(shutil.copytree(rendered.folder, tmp_path / "out"))
+
+
+@pytest.fixture(scope="session")
+def rendered_alone(tmp_path_factory: pytest.TempPathFactory) -> tuple[StimulusSet, set[str]]:
+    """The last of `few_paints` alone, from another process with one thread more and an empty cache, and its imports."""
+    from gloss_stimuli.exact.compiled import thread_count
+
+    folder = tmp_path_factory.mktemp("alone")
+    (folder / "one.csv").write_text("rho_d,rho_s,alpha\n0.193,0.066,0.1\n", encoding="utf-8")
+    code = (
+        "import sys; from gloss_stimuli import render_set; "
+        "render_set('one.csv', 'out', size=64, quality='draft', cache='cache'); print(*sys.modules)"
+    )
+    environment = {**os.environ, "NUMBA_NUM_THREADS": str(thread_count() + 1)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return read_stimulus_set(folder / "out"), set(done.stdout.split())

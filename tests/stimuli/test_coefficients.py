@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
 
 from gloss_stimuli.coefficients import Coefficients, average
 
@@ -35,6 +36,16 @@ def test_zero_reflectance_leaves_nothing_of_a_specular_pass() -> None:
     result = average(EXPONENTS, iter(estimates()))
     assert (result.luminance(0.5, 0.0) == 0).all()
     assert (result.variance(0.5, 0.0) == 0).all()
+
+
+def test_the_threads_of_a_linear_algebra_library_change_no_bit() -> None:
+    # A size at which OpenBLAS, given several threads, rounds a product of matrices in another way.
+    rows = np.random.default_rng(1).normal(size=(10, 1022 * 770)).astype(np.float32)
+    exponents, bits = EXPONENTS * 2, set()
+    for threads in (1, 2, 3):
+        with threadpool_limits(threads):
+            bits.add(Coefficients(exponents, rows, rows).luminance(0.2, 0.1).tobytes())
+    assert len(bits) == 1
 
 
 def test_one_estimate_has_no_error() -> None:

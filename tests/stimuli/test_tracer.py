@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from gloss_stimuli.mitsuba_scene import mitsuba_scene
-from gloss_stimuli.scene import read_scene
+from gloss_stimuli.scene import Film, read_scene
 from gloss_stimuli.tracer import ORDER, diffuse_exponents, specular_exponents, trace_pass
 
 pytestmark = pytest.mark.usefixtures("llvm")
@@ -15,7 +15,8 @@ pytestmark = pytest.mark.usefixtures("llvm")
 
 def image(scene, *, size: int, samples: int, seed: int, alpha: float | None = None) -> np.ndarray:
     pixels = np.arange(size * size, dtype=np.uint32)
-    return trace_pass(scene, pixels, size=size, samples=samples, seed=seed, alpha=alpha).reshape(-1, size, size)
+    scene = scene.with_film(Film(width=size, height=size))
+    return trace_pass(scene, pixels, samples=samples, seed=seed, alpha=alpha).reshape(-1, size, size)
 
 
 def view_rays(scene, size: int, offset: tuple[float, float] = (0.5, 0.5)) -> np.ndarray:
@@ -185,5 +186,23 @@ def test_same_seed_same_bits_whatever_the_number_of_threads() -> None:
 def test_a_pixel_does_not_depend_on_which_others_are_traced() -> None:
     whole = image(read_scene(), size=16, samples=8, seed=3).reshape(-1, 256)
     some = np.array([7, 130, 255], dtype=np.uint32)
-    part = trace_pass(read_scene(), some, size=16, samples=8, seed=3)
+    part = trace_pass(read_scene().with_film(Film(width=16, height=16)), some, samples=8, seed=3)
     np.testing.assert_array_equal(part, whole[:, some])
+
+
+def test_a_wide_film_is_the_middle_of_a_square_one(scene_with) -> None:
+    # Aside from every symmetry, so that a mirrored or shifted film would show.
+    scene = scene_with(camera={"position": [0.5, 0.1, 2.5], "target": [0.1, -0.2, 0.0]})
+    wide = scene.with_film(Film(width=32, height=16))
+    repeats = 8
+    square = np.stack([image(scene, size=32, samples=64, seed=seed)[:, 8:24] for seed in range(repeats)])
+    pixels = np.arange(32 * 16, dtype=np.uint32)
+    middle = np.stack([trace_pass(wide, pixels, samples=64, seed=100 + seed) for seed in range(repeats)])
+
+    def block_means(images: np.ndarray) -> np.ndarray:
+        white = images.astype(float).sum(axis=1)  # the polynomial for rho_d = 1: every order counts
+        return white.reshape(repeats, 4, 4, 4, 8).mean((2, 4))
+
+    _, p = stats.ttest_ind(block_means(square), block_means(middle), axis=0, equal_var=False)
+    assert p.min() > 1e-3 / p.size  # one false alarm in a thousand for all blocks together (Bonferroni)
+    assert middle[:, 0].mean() == pytest.approx(square[:, 0].mean(), rel=0.01)  # several standard errors of the image
