@@ -261,9 +261,10 @@ def _say_error(job: _Job, wanted: StimulusList, entries: list[dict[str, Any]]) -
     if short:
         more = f" and {len(short) - 3} more" if len(short) > 3 else ""
         verdict = f"Short of the target, {goal}: {', '.join(short[:3])}{more}."
+    counted = "1 stimulus" if len(entries) == 1 else f"{len(entries)} stimuli"
     note(
-        f"{wanted.name}: {len(entries)} {'stimulus' if len(entries) == 1 else 'stimuli'} by the method '{job.renderer.method}' ({job.reason}). Estimated error "
-        f"of the worst image ({worst['name']}): {error['median']:.2g} code values in the median, "
+        f"{wanted.name}: {counted} by the method '{job.renderer.method}' ({job.reason}). Estimated error of the "
+        f"worst image ({worst['name']}): {error['median']:.2g} code values in the median, "
         f"{error['percentile_99_9']:.2g} at 99.9 % of its pixels. {verdict}"
     )
     clipped = sum(entry["clipped_pixels"] for entry in entries)
