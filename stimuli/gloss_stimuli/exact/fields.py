@@ -136,7 +136,7 @@ class FieldSolver:
 
     def _return(self, sphere: NDArray[np.float64]) -> NDArray[np.float64]:
         texture = np.ascontiguousarray(sphere.reshape(*self._grid, -1))
-        return sphere_to_walls(self.room, self.nodes, self._returned_shifts, self.level.cone_rays, texture)
+        return sphere_to_walls(self.room, self.nodes, self._returned_shifts, self.level.cone_rays // 4, texture)
 
 
 def _ratio(later: NDArray[np.float64], earlier: NDArray[np.float64]) -> float:
