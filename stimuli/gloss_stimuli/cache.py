@@ -1,6 +1,8 @@
 """Where intermediate results live: one folder for all sets of a user, so that sets share what they have in common."""
 
+import contextlib
 import os
+import time
 from pathlib import Path
 
 from glossspace.errors import GlossError
@@ -12,6 +14,9 @@ CACHE_VARIABLE = "GLOSSSPACE_CACHE"
 
 # About forty sets of 27 stimuli; the files used longest ago go first.
 LARGEST_BYTES = 2 * 10**9
+
+# Half-written files older than a day are nobody's.
+LEFTOVER_AGE_S = 86_400.0
 
 # What the renderers write; whatever else lies in a folder that a user named is not ours to delete.
 RESULTS = ("exact-*.npz", "coefficients-*.npz")
@@ -41,6 +46,10 @@ def cache_folder(wanted: str | Path | None, *, out: Path) -> Path:
 
 def trim_cache(folder: Path, *, largest_bytes: int = LARGEST_BYTES) -> None:
     """Delete the results that were used longest ago, until the folder holds no more than `largest_bytes`."""
+    for leftover in folder.glob(".*.part.npz"):  # of a process that was killed while it wrote
+        with contextlib.suppress(FileNotFoundError):
+            if time.time() - leftover.stat().st_mtime > LEFTOVER_AGE_S:
+                leftover.unlink()
     files = []
     for path in (path for pattern in RESULTS for path in folder.glob(pattern)):
         try:

@@ -52,7 +52,7 @@ class CoefficientRenderer:
     seed: int
     cache: Path
 
-    method = "coefficient path tracing"
+    method = "coefficients"
 
     def key(self, stimulus: Stimulus) -> str:
         """Hash of everything that determines the luminance of a stimulus."""

@@ -21,11 +21,12 @@ from numpy.typing import NDArray
 from gloss_stimuli.code_error import code_error
 from gloss_stimuli.content_key import content_key
 from gloss_stimuli.display import DisplayModel
-from gloss_stimuli.exact import DIFFUSE_EXPONENTS, LEVELS, SPECULAR_EXPONENTS, solve
+from gloss_stimuli.exact import DIFFUSE_EXPONENTS, LEVELS, SPECULAR_EXPONENTS, levels_within, solve
 from gloss_stimuli.renderer import Rendering, Step, alphas_of, passes_of
 from gloss_stimuli.scene import Scene
 from gloss_stimuli.target import ErrorTarget
 from gloss_stimuli.tone import ToneCurve
+from glossspace.errors import GlossError
 from glossspace.files import whole_file
 from glossspace.stimulus_set import Stimulus
 
@@ -33,6 +34,8 @@ __all__ = ["ExactRenderer"]
 
 # Targets as loose as this start on the lowest step of the ladder; half a code value is never reached there.
 LOOSE_CODE_ERROR = 1.0
+# Luminance below zero by no more than this part of the brightest pixel's is rounding.
+SMALLEST_ROUNDING = 1e-4
 
 Pair = tuple[NDArray[np.float32], NDArray[np.float32]]
 
@@ -83,7 +86,8 @@ class ExactRenderer:
         """Render stimuli, those that are easily exact first, and by α among them."""
         waiting = list(stimuli)
         first = 0 if self.target.max_code_error >= LOOSE_CODE_ERROR else 1
-        for level in range(first, len(LEVELS) - 1):
+        last = levels_within(self.scene) - 2  # of which the next one is the finest
+        for level in range(first, last + 1):
             alphas = alphas_of(waiting)
             for one in (level, level + 1) if level == first else (level + 1,):
                 self._complete(one, alphas, step)
@@ -96,7 +100,7 @@ class ExactRenderer:
                 for stimulus in waiting:
                     if passes_of(stimulus)[-1] == alpha:
                         rendering = self._compose(stimulus, level, diffuse, specular, white)
-                        if level == len(LEVELS) - 2 or self.target.is_reached(rendering.error):
+                        if level == last or self.target.is_reached(rendering.error):
                             step()
                             yield rendering
                         else:
@@ -115,6 +119,13 @@ class ExactRenderer:
             mirrored = [_polynomial(SPECULAR_EXPONENTS, one, *paint) for one in specular]
             solutions = [own + one for own, one in zip(solutions, mirrored, strict=True)]
         luminance = self._shaped((solutions[0] + solutions[1]) / 2)
+        brightest = float(luminance.max(initial=0.0))
+        if luminance.min() < -SMALLEST_ROUNDING * brightest:
+            raise GlossError(
+                f"The exact renderer fails on the scene '{self.scene.name}': it gave {stimulus.name} a luminance of "
+                f"{luminance.min():g} cd/m2. Use --method coefficients, and please report the scene."
+            )
+        luminance = np.maximum(luminance, 0.0)  # rounding may leave a hair below
         spread = self._shaped((solutions[0] - solutions[1]) / 2)
         error = code_error(luminance, spread, tone=self.tone, display=self.display)
         return Rendering(stimulus, luminance, error, {"levels": [level, level + 1]}, white)
@@ -134,20 +145,28 @@ class ExactRenderer:
         wanted = [alpha for alpha in missing if alpha is not None]
         # Its own threads do the work; a linear algebra library with threads of its own may round differently for each
         # number.
-        with threadpool_limits(1):
-            for alpha, coefficients in solve(self.scene, LEVELS[level], (self.seed, level), wanted):
-                if alpha in missing:
-                    with whole_file(self._path(level, alpha)) as temporary, temporary.open("wb") as stream:
-                        np.savez(stream, coefficients=coefficients)
-                    step()
+        try:
+            with threadpool_limits(1):
+                for alpha, coefficients in solve(self.scene, LEVELS[level], (self.seed, level), wanted):
+                    if alpha in missing:
+                        with whole_file(self._path(level, alpha)) as temporary, temporary.open("wb") as stream:
+                            np.savez(stream, coefficients=coefficients)
+                        step()
+        except FloatingPointError as error:
+            raise GlossError(
+                f"The exact renderer fails on the scene '{self.scene.name}': {error} Use --method coefficients, "
+                "and please report the scene."
+            ) from error
 
     def _pair(self, level: int, alpha: float | None) -> Pair:
         for one in (level, level + 1):
             with contextlib.suppress(OSError):
                 os.utime(self._path(one, alpha))  # used now: the cache drops what was used longest ago
+            if self._load(one, alpha) is None:  # another rendering has just dropped it
+                self._complete(one, [] if alpha is None else [alpha], lambda **_: None)
         first, second = self._load(level, alpha), self._load(level + 1, alpha)
         if first is None or second is None:
-            raise FileNotFoundError(f"Finished coefficients have gone from '{self.cache}' while they were needed.")
+            raise GlossError(f"Finished coefficients vanish from '{self.cache}'. Use a --cache of your own.")
         return first, second
 
     def _load(self, level: int, alpha: float | None) -> NDArray[np.float32] | None:
@@ -166,12 +185,19 @@ class ExactRenderer:
 
     def _key(self, level: int, alpha: float | None) -> str:
         return content_key(
-            "exact", geometry=self.scene.geometry(), seed=self.seed, level=level, alpha=alpha, software=_software()
+            "exact",
+            "scene",
+            "ward_lobe",
+            geometry=self.scene.geometry(),
+            seed=self.seed,
+            level=level,
+            alpha=alpha,
+            software=_software(),
         )
 
 
 def _software() -> dict[str, str]:
-    return {name: version(name) for name in ("numba", "numpy", "scipy")}
+    return {name: version(name) for name in ("numba", "llvmlite", "numpy", "scipy")}
 
 
 def _polynomial(

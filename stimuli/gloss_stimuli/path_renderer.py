@@ -85,7 +85,7 @@ class PathRenderer:
     seed: int
     samples_per_pixel: int | None = None
 
-    method = "path tracing"
+    method = "path"
 
     def __post_init__(self) -> None:
         samples = self.samples_per_pixel

@@ -1,6 +1,6 @@
 """The exact renderer: a sphere in a checkerboard box, solved rather than sampled.
 
-A Lambertian box, a convex sphere, one light, and three numbers that vary: so the irradiance of the walls is a smooth
+A Lambertian box, a convex sphere, one light, and three numbers that vary. So the irradiance of the walls is a smooth
 field, an image is a polynomial in ρd and ρs, and what the sphere mirrors is a band-limited function of where it is
 seen. In the order of the light:
 
@@ -29,7 +29,7 @@ Module          What happens there
 """
 
 from gloss_stimuli.exact.levels import LEVELS, Level
-from gloss_stimuli.exact.scope import why_not_exact
+from gloss_stimuli.exact.scope import levels_within, why_not_exact
 from gloss_stimuli.exact.solution import DIFFUSE_EXPONENTS, SPECULAR_EXPONENTS, solve
 
-__all__ = ["DIFFUSE_EXPONENTS", "LEVELS", "SPECULAR_EXPONENTS", "Level", "solve", "why_not_exact"]
+__all__ = ["DIFFUSE_EXPONENTS", "LEVELS", "SPECULAR_EXPONENTS", "Level", "levels_within", "solve", "why_not_exact"]

@@ -55,16 +55,22 @@ def _forget_stale_kernels() -> None:
     digest = hashlib.sha256()
     for source in sorted(here.glob("*.py")):
         digest.update(source.read_bytes())
-    stamp = here / "__pycache__" / "kernels.sha256"
-    try:
-        if stamp.is_file() and stamp.read_text() == digest.hexdigest():
-            return
-        for cached in (*stamp.parent.glob("*.nbi"), *stamp.parent.glob("*.nbc")):
-            cached.unlink(missing_ok=True)
-        stamp.parent.mkdir(exist_ok=True)
-        stamp.write_text(digest.hexdigest())
-    except OSError:
-        pass  # a folder that cannot be written to holds no cache of ours either
+    # Numba keeps kernels beside their sources, or under NUMBA_CACHE_DIR in a folder that bears the package's name.
+    folders = [here / "__pycache__"]
+    elsewhere = os.environ.get("NUMBA_CACHE_DIR")
+    if elsewhere:
+        folders = list(Path(elsewhere).glob(f"{here.name}_*"))
+    for folder in folders:
+        stamp = folder / "kernels.sha256"
+        try:
+            if stamp.is_file() and stamp.read_text() == digest.hexdigest():
+                continue
+            for cached in (*folder.glob("*.nbi"), *folder.glob("*.nbc")):
+                cached.unlink(missing_ok=True)
+            folder.mkdir(exist_ok=True)
+            stamp.write_text(digest.hexdigest())
+        except OSError:
+            pass  # not ours to change: whoever installs there brings new sources and new kernels together
 
 
 _forget_stale_kernels()

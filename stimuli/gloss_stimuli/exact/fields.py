@@ -27,10 +27,7 @@ from gloss_stimuli.exact.room import Room
 from gloss_stimuli.exact.specular import light_by_sphere, walls_by_sphere
 from gloss_stimuli.exact.sphere import hide_walls, sphere_grid, sphere_to_walls, walls_to_sphere
 
-__all__ = ["DIFFUSE_ORDERS", "SPECULAR_ORDERS", "FieldSolver", "Fields"]
-
-DIFFUSE_ORDERS = ((0, 0), (1, 0), (2, 0))
-SPECULAR_ORDERS = ((0, 1), (1, 1), (0, 2))
+__all__ = ["FieldSolver", "Fields"]
 
 # Relative change at which the sum over reflections is complete: far below anything a display shows.
 TOLERANCE = 1e-7
@@ -43,15 +40,12 @@ class Fields:
 
     Attributes
     ----------
-    orders : tuple of (int, int)
-        Powers of (ρd, ρs) of each column.
-    walls : array, shape (N, K)
-        At the nodes of the walls, the light included.
+    walls : array, shape (N, 3)
+        At the nodes of the walls, the light included. Columns are E00, E10, E20, or E01, E11, E02.
     returned : float
         Ratio in which one more return to the sphere reduces the last field of pure kind: (2, 0), or (0, 2).
     """
 
-    orders: tuple[tuple[int, int], ...]
     walls: NDArray[np.float64]
     returned: float
 
@@ -90,7 +84,7 @@ class FieldSolver:
         e10 = self._exchange(self._return(h00))
         h10 = self._on_sphere(e10)
         e20 = self._exchange(self._return(h10))
-        return Fields(DIFFUSE_ORDERS, np.hstack([e00, e10, e20]), _ratio(self._on_sphere(e20), h10))
+        return Fields(np.hstack([e00, e10, e20]), self._ratio(self._on_sphere(e20), h10))
 
     def specular(self, alpha: float) -> Fields:
         """Fields of the lobe with roughness `alpha`."""
@@ -113,7 +107,14 @@ class FieldSolver:
         second = from_walls(self.level.lobe_samples // 8, e01)
         h01 = self._on_sphere(e01)
         e11, e02 = self._exchange(np.hstack([self._return(h01) + first[:, 1:], second])).T[:, :, None]
-        return Fields(SPECULAR_ORDERS, np.hstack([e01, e11, e02]), _ratio(self._on_sphere(e02), h01))
+        return Fields(np.hstack([e01, e11, e02]), self._ratio(self._on_sphere(e02), h01))
+
+    def _ratio(self, later: NDArray[np.float64], earlier: NDArray[np.float64]) -> float:
+        """Part of the sphere's mean irradiance that is left after one more return."""
+        # A row of the grid is a ring of the sphere, whose area goes as the sine of its polar angle.
+        area = np.hypot(self._normals[:, 0], self._normals[:, 2])
+        total = float(area @ earlier[:, 0])
+        return float(area @ later[:, 0]) / total if total > 0 else 0.0
 
     def _lit(self, irradiance: NDArray[np.float64]) -> NDArray[np.float64]:
         return irradiance * self.nodes.reflectance[:, None]
@@ -127,6 +128,8 @@ class FieldSolver:
             total = total + last
             if (np.abs(last).max(0) <= TOLERANCE * scale).all():
                 break
+        else:
+            raise FloatingPointError(f"Light between the walls has not died away after {MOST_REFLECTIONS} reflections.")
         if not np.isfinite(total).all():
             raise FloatingPointError("The irradiance of the walls came out not finite.")
         return total
@@ -137,12 +140,6 @@ class FieldSolver:
     def _return(self, sphere: NDArray[np.float64]) -> NDArray[np.float64]:
         texture = np.ascontiguousarray(sphere.reshape(*self._grid, -1))
         return sphere_to_walls(self.room, self.nodes, self._returned_shifts, self.level.cone_rays // 4, texture)
-
-
-def _ratio(later: NDArray[np.float64], earlier: NDArray[np.float64]) -> float:
-    """Part of the sphere's mean irradiance that is left after one more return."""
-    total = float(earlier.sum())
-    return float(later.sum()) / total if total > 0 else 0.0
 
 
 def _projected_light(room: Room, nodes: Nodes, lines: int) -> NDArray[np.float64]:

@@ -1,6 +1,6 @@
 """What each pixel sees: weights of the walls' texels, points of the sphere, and the share that the light fills.
 
-A pixel inside a check takes one sample, one inside the sphere's outline a few. A pixel with an edge in it, of a check,
+A pixel inside a check or inside the sphere's outline takes a few samples. A pixel with an edge in it, of a check,
 of the light or of the sphere, is cut by scan lines across that edge; crossings are found by bisection, and each piece
 of a line takes a sample of its own. The map is made once and serves every paint and every α.
 """
@@ -20,9 +20,8 @@ from gloss_stimuli.exact.textures import texel_at
 
 __all__ = ["FilmMap", "map_film", "sphere_irradiance"]
 
-# Samples across a pixel of the sphere: few inside, more where incidence changes fast.
-INNER_SAMPLES, RIM_SAMPLES = 2, 8
-RIM = 0.97  # sine of incidence where the rim begins
+# Near the outline, from this sine of incidence on, incidence changes fast and a pixel takes more samples.
+RIM, RIM_SAMPLES = 0.97, 4
 # Pixels this near the outline are searched for it: half a diagonal, and some more.
 OUTLINE_MARGIN = 0.8
 PROBES, BISECTIONS = 8, 16
@@ -59,7 +58,8 @@ class FilmMap:
 
 
 def map_film(
-    room: Room, camera: Camera, pixels: NDArray[np.int64], *, texels: int, lines: int
+    room: Room, camera: Camera, pixels: NDArray[np.int64], *, texels: int, lines: int, wall_side: int = 1,
+    sphere_side: int = 2,
 ) -> FilmMap:  # fmt: skip
     """Samples of `pixels`, row-major indices into the film.
 
@@ -69,13 +69,15 @@ def map_film(
         Of a wall texture, along a side of a cell.
     lines : int
         Scan lines across a pixel with an edge.
+    wall_side, sphere_side : int
+        Samples along a side of a pixel that shows one check, or the sphere alone.
     """
     outline = outline_radius_pixels(camera)
     counts = np.zeros((len(pixels), 2), np.int64)
     nothing_i, nothing_f = np.zeros((0, 4), np.int32), np.zeros((0, 4))
     starts = np.zeros((len(pixels) + 1, 2), np.int64)
     light = np.zeros(len(pixels))
-    common = (room, camera, pixels, texels, lines, outline)
+    common = (room, camera, pixels, texels, lines, wall_side, sphere_side, outline)
     for_rows(_film_rows, len(pixels), *common, False, counts, starts, nothing_i, nothing_f, nothing_f, light)
     np.cumsum(counts, axis=0, out=starts[1:])
     walls, spheres = starts[-1]
@@ -224,8 +226,8 @@ def _edge_pixel(
 @compiled
 def _film_rows(
     start: int, stop: int, room: Room, camera: Camera, pixels: NDArray[np.int64], texels: int, lines: int,
-    outline: float, fill: bool, counts: NDArray[np.int64], starts: NDArray[np.int64], columns: NDArray[np.int32],
-    data: NDArray[np.float64], seen: NDArray[np.float64], light: NDArray[np.float64],
+    wall_side: int, sphere_side: int, outline: float, fill: bool, counts: NDArray[np.int64], starts: NDArray[np.int64],
+    columns: NDArray[np.int32], data: NDArray[np.float64], seen: NDArray[np.float64], light: NDArray[np.float64],
 ) -> None:  # fmt: skip
     """Count the samples of each pixel, or write them where `starts` says."""
     box, grid, reflectance = room.box, room.grid, room.reflectance
@@ -247,7 +249,7 @@ def _film_rows(
                 data, seen,
             )  # fmt: skip
         elif middle == ON_SPHERE:
-            side = INNER_SAMPLES if sine < RIM else RIM_SAMPLES
+            side = sphere_side if sine < RIM else sphere_side * RIM_SAMPLES
             for k in range(side * side if fill else 0):
                 u, v = column + (k % side + 0.5) / side, row + (k // side + 0.5) / side
                 _put_sphere(camera, u, v, 1 / (side * side), to_sphere + k, seen)
@@ -255,10 +257,11 @@ def _film_rows(
         elif middle == LIT:
             lit = 1.0
         else:
-            if fill:
-                u, v = column + 0.5, row + 0.5
-                _put_wall(box, grid, reflectance, camera, u, v, 1.0, texels, to_wall, columns, data)
-            to_wall += 1
+            side = wall_side
+            for k in range(side * side if fill else 0):
+                u, v = column + (k % side + 0.5) / side, row + (k // side + 0.5) / side
+                _put_wall(box, grid, reflectance, camera, u, v, 1 / (side * side), texels, to_wall + k, columns, data)
+            to_wall += side * side
         counts[p, 0], counts[p, 1] = to_wall - starts[p, 0], to_sphere - starts[p, 1]
         light[p] = lit
 

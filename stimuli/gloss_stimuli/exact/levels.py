@@ -42,6 +42,8 @@ class Level:
         Gauss points across the part of the light that a lobe sees.
     lines : int
         Across a pixel that an edge runs through.
+    wall_side, sphere_side : int
+        Samples along a side of a pixel that shows one check, or the sphere alone.
     pixel_samples : int
         Lobe samples a pixel where α is too small for a table.
     """
@@ -61,6 +63,8 @@ class Level:
     table_samples: int
     light_points: int
     lines: int
+    wall_side: int
+    sphere_side: int
     pixel_samples: int
 
 
@@ -68,26 +72,26 @@ LEVELS = (
     Level(
         width_over_gap=1.4, nodes=3, edge_points=8, light_lines=90, cone_rays=4096, lobe_samples=128, sphere_rows=32,
         texels=12, patch_texels=7, sphere_texture_rows=160, edge_passes=2, table_spacing=0.52, table_samples=233,
-        light_points=16, lines=12, pixel_samples=512,
+        light_points=16, lines=12, wall_side=1, sphere_side=2, pixel_samples=512,
     ),
     Level(
         width_over_gap=1.1, nodes=4, edge_points=9, light_lines=130, cone_rays=16384, lobe_samples=256, sphere_rows=40,
         texels=15, patch_texels=9, sphere_texture_rows=208, edge_passes=3, table_spacing=0.46, table_samples=610,
-        light_points=18, lines=17, pixel_samples=1024,
+        light_points=18, lines=17, wall_side=2, sphere_side=3, pixel_samples=1024,
     ),
     Level(
-        width_over_gap=1.0, nodes=4, edge_points=11, light_lines=180, cone_rays=32768, lobe_samples=512, sphere_rows=48,
+        width_over_gap=1.6, nodes=5, edge_points=11, light_lines=180, cone_rays=32768, lobe_samples=512, sphere_rows=48,
         texels=18, patch_texels=11, sphere_texture_rows=256, edge_passes=3, table_spacing=0.42, table_samples=987,
-        light_points=20, lines=24, pixel_samples=2048,
+        light_points=20, lines=24, wall_side=1, sphere_side=2, pixel_samples=2048,
     ),
     Level(
-        width_over_gap=1.0, nodes=5, edge_points=13, light_lines=250, cone_rays=65536, lobe_samples=1024,
+        width_over_gap=1.6, nodes=6, edge_points=13, light_lines=250, cone_rays=65536, lobe_samples=1024,
         sphere_rows=64, texels=24, patch_texels=15, sphere_texture_rows=320, edge_passes=4, table_spacing=0.36,
-        table_samples=2584, light_points=24, lines=33, pixel_samples=8192,
+        table_samples=2584, light_points=24, lines=33, wall_side=2, sphere_side=3, pixel_samples=8192,
     ),
     Level(
         width_over_gap=0.9, nodes=5, edge_points=15, light_lines=400, cone_rays=131072, lobe_samples=4096,
         sphere_rows=80, texels=30, patch_texels=20, sphere_texture_rows=400, edge_passes=4, table_spacing=0.3,
-        table_samples=6765, light_points=30, lines=48, pixel_samples=32768,
+        table_samples=6765, light_points=30, lines=48, wall_side=3, sphere_side=4, pixel_samples=32768,
     ),
 )  # fmt: skip

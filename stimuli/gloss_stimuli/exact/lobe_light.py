@@ -1,7 +1,8 @@
 """The light's image in the sphere: Ward's lobe integrated over the part of the light that it reaches.
 
 The lobe is a Gaussian of the half vector, zero to a display beyond a few α. Its reach about the mirrored direction is a
-cone, whose shadow on the ceiling bounds a rectangle of the light; Gauss–Legendre's rule on that is exact for any α.
+cone, whose shadow on the ceiling bounds a rectangle of the light for Gauss–Legendre's rule. Towards grazing the lobe is
+narrower across the plane of incidence than along it, by the cosine of incidence, and the rule takes more points.
 """
 
 import math
@@ -15,10 +16,18 @@ from gloss_stimuli.exact.lobe import FORMS, lobe_value
 from gloss_stimuli.exact.nodes import gauss_legendre
 from gloss_stimuli.exact.room import Box, Room, frame
 
-__all__ = ["light_by_lobe", "light_in_pixels"]
+__all__ = ["light_by_lobe", "light_in_pixels", "light_rules", "light_within_reach"]
 
 # Half vectors beyond this many α carry exp(-4.6²) = 6e-10 of the lobe's peak.
 REACH = 4.6
+
+
+Rules = tuple[NDArray[np.float64], ...]
+
+
+def light_rules(points: int) -> Rules:
+    """Nodes and weights of three rules, of `points`, twice and four times as many."""
+    return (*gauss_legendre(points), *gauss_legendre(2 * points), *gauss_legendre(4 * points))
 
 
 def light_in_pixels(
@@ -28,7 +37,7 @@ def light_in_pixels(
     """Luminance of the light's image for ρs = 1 (cd/m²), averaged over the sphere samples of each pixel, shape (P,)."""
     out = np.zeros(len(first) - 1)
     for_rows(
-        _pixel_rows, len(out), room, camera, first, x, y, weight, alpha, FORMS.index(form), *gauss_legendre(points), out
+        _pixel_rows, len(out), room, camera, first, x, y, weight, alpha, FORMS.index(form), light_rules(points), out
     )
     return out
 
@@ -54,21 +63,41 @@ def _reach(toward: float, aside: float, spread: float, height: float) -> tuple[f
 
 
 @compiled
-def light_by_lobe(
+def light_within_reach(
     box: Box, px: float, py: float, pz: float, nx: float, ny: float, nz: float, ex: float, ey: float, ez: float,
-    alpha: float, form: int, nodes: NDArray[np.float64], weights: NDArray[np.float64],
-) -> float:  # fmt: skip
-    """Luminance towards (ex, ey, ez) of the light reflected at a point of the sphere, for ρs = 1."""
+    tangent: float,
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """Part of the light that half vectors up to a tangent from the normal reach: x and z ranges from the point."""
     facing = ex * nx + ey * ny + ez * nz
     mx, my, mz = 2 * facing * nx - ex, 2 * facing * ny - ey, 2 * facing * nz - ez
     height = box.high[1] - py
-    spread = 2 * math.atan(REACH * alpha)
+    spread = 2 * math.atan(tangent)
     x0, x1 = _reach(my, mx, spread, height)
     z0, z1 = _reach(my, mz, spread, height)
-    x0, x1 = max(x0, box.light_low[0] - px), min(x1, box.light_high[0] - px)
-    z0, z1 = max(z0, box.light_low[1] - pz), min(z1, box.light_high[1] - pz)
+    return (
+        max(x0, box.light_low[0] - px),
+        min(x1, box.light_high[0] - px),
+        max(z0, box.light_low[1] - pz),
+        min(z1, box.light_high[1] - pz),
+    )
+
+
+@compiled
+def light_by_lobe(
+    box: Box, px: float, py: float, pz: float, nx: float, ny: float, nz: float, ex: float, ey: float, ez: float,
+    alpha: float, form: int, rules: Rules,
+) -> float:  # fmt: skip
+    """Luminance towards (ex, ey, ez) of the light reflected at a point of the sphere, for ρs = 1 (cd/m²)."""
+    facing = ex * nx + ey * ny + ez * nz
+    x0, x1, z0, z1 = light_within_reach(box, px, py, pz, nx, ny, nz, ex, ey, ez, REACH * alpha)
     if x1 <= x0 or z1 <= z0:
         return 0.0
+    nodes, weights = rules[0], rules[1]
+    if facing < 0.25:
+        nodes, weights = rules[4], rules[5]
+    elif facing < 0.5:
+        nodes, weights = rules[2], rules[3]
+    height = box.high[1] - py
     ux, uy, uz, vx, vy, vz = frame(nx, ny, nz)
     ix, iy = ex * ux + ey * uy + ez * uz, ex * vx + ey * vy + ez * vz
     total = 0.0
@@ -90,13 +119,13 @@ def light_by_lobe(
 @compiled
 def _pixel_rows(
     start: int, stop: int, room: Room, camera: Camera, first: NDArray[np.int64], x: NDArray[np.float64],
-    y: NDArray[np.float64], weight: NDArray[np.float64], alpha: float, form: int, nodes: NDArray[np.float64],
-    weights: NDArray[np.float64], out: NDArray[np.float64],
+    y: NDArray[np.float64], weight: NDArray[np.float64], alpha: float, form: int, rules: Rules,
+    out: NDArray[np.float64],
 ) -> None:  # fmt: skip
     box = room.box
     for p in range(start, stop):
         for k in range(first[p], first[p + 1]):
             px, py, pz, nx, ny, nz, ex, ey, ez = sphere_point(camera, x[k], y[k])
             out[p] += weight[k] * light_by_lobe(
-                box, px, py, pz, nx, ny, nz, ex, ey, ez, alpha, form, nodes, weights
+                box, px, py, pz, nx, ny, nz, ex, ey, ez, alpha, form, rules
             )  # fmt: skip

@@ -14,10 +14,10 @@ from scipy.ndimage import distance_transform_edt, spline_filter
 
 from gloss_stimuli.exact.camera import Camera, sphere_point
 from gloss_stimuli.exact.compiled import compiled, for_rows
-from gloss_stimuli.exact.lobe import FORMS, GRAZING_POWER, lobe_weight
-from gloss_stimuli.exact.lobe_light import light_by_lobe
-from gloss_stimuli.exact.nodes import gauss_legendre
+from gloss_stimuli.exact.lobe import FORMS, GRAZING_POWER, lobe_weight, mirrored
+from gloss_stimuli.exact.lobe_light import Rules, light_by_lobe, light_rules
 from gloss_stimuli.exact.room import Room, frame
+from gloss_stimuli.exact.sphere import GOLDEN
 from gloss_stimuli.exact.textures import add_radiance
 
 __all__ = ["LobeTable", "look_up", "make_table", "table_points"]
@@ -27,7 +27,6 @@ ORDER = 5  # of the splines
 MARGIN = 4
 # Lattices of half vectors; each point of a table takes one of them, turned by an angle of its own.
 LATTICES = 64
-GOLDEN = 0.6180339887498949
 
 
 @dataclass(frozen=True)
@@ -85,7 +84,7 @@ def make_table(
     values = np.empty((count, patches.shape[3]))
     for_rows(
         _table_rows, count, room, camera, x[inside], y[inside], alpha, FORMS.index(form), _lattices(rng, samples),
-        rng.integers(0, LATTICES, count), rng.random(count), patches, *gauss_legendre(light_points),
+        rng.integers(0, LATTICES, count), rng.random(count), patches, light_rules(light_points),
         GRAZING_POWER[form], values,
     )  # fmt: skip
     if not np.isfinite(values).all():
@@ -123,7 +122,7 @@ def _lattices(rng: np.random.Generator, samples: int) -> NDArray[np.float64]:
 def _table_rows(
     start: int, stop: int, room: Room, camera: Camera, x: NDArray[np.float64], y: NDArray[np.float64], alpha: float,
     form: int, lattices: NDArray[np.float64], lattice: NDArray[np.int64], turn: NDArray[np.float64],
-    patches: NDArray[np.float32], nodes: NDArray[np.float64], weights: NDArray[np.float64], power: float,
+    patches: NDArray[np.float32], rules: Rules, power: float,
     out: NDArray[np.float64],
 ) -> None:  # fmt: skip
     samples, fields = lattices.shape[1], patches.shape[3]
@@ -138,10 +137,7 @@ def _table_rows(
         for k in range(samples):
             tx, ty = lattices[lattice[p], k, 0], lattices[lattice[p], k, 1]
             hx, hy = c * tx - s * ty, s * tx + c * ty
-            cos_delta = 1 / math.sqrt(1 + hx * hx + hy * hy)
-            half_dot_i = (hx * ix + hy * iy + iz) * cos_delta
-            twice = 2 * half_dot_i * cos_delta
-            ox, oy, oz = twice * hx - ix, twice * hy - iy, twice - iz
+            ox, oy, oz, half_dot_i, cos_delta = mirrored(ix, iy, iz, hx, hy)
             if half_dot_i <= 0 or oz <= 0:
                 continue
             dx, dy, dz = ox * ux + oy * vx + oz * nx, ox * uy + oy * vy + oz * ny, ox * uz + oy * vz + oz * nz
@@ -151,7 +147,7 @@ def _table_rows(
         for q in range(fields):
             out[p, q] = smooth * total[q] / samples
         out[p, 0] += smooth * light_by_lobe(
-            box, px, py, pz, nx, ny, nz, ex, ey, ez, alpha, form, nodes, weights
+            box, px, py, pz, nx, ny, nz, ex, ey, ez, alpha, form, rules
         )  # fmt: skip
 
 

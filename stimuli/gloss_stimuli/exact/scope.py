@@ -1,10 +1,12 @@
 """Which scenes the exact renderer holds for; anything else is better traced."""
 
+import math
+
 from gloss_stimuli.exact.levels import LEVELS
 from gloss_stimuli.exact.room import build_room
 from gloss_stimuli.scene import Scene
 
-__all__ = ["why_not_exact"]
+__all__ = ["levels_within", "why_not_exact"]
 
 # Unknowns of the walls: their exchange matrix takes four bytes for each pair.
 MOST_NODES = 10_000
@@ -14,6 +16,10 @@ SMALLEST_GAP = 0.1
 LIGHT_MARGIN = 0.2
 # Opposite walls must be this many checks apart: cells that face each other are summed as points.
 NARROWEST = 1.5
+# Thinnest cell, in checks: splines through the nodes of a wall do not bear slivers beside whole checks.
+THINNEST = 0.02
+# Estimated part of the sphere's light that returns to it: images are series in it, cut off after the fourth order.
+LARGEST_RETURN = 0.12
 # Mean reflectance of the checks above which reflections die away too slowly to be summed.
 BRIGHTEST = 0.95
 
@@ -48,8 +54,30 @@ def why_not_exact(scene: Scene) -> str | None:
     mean = (box.dark_reflectance + box.light_reflectance) / 2
     if mean > BRIGHTEST:
         return f"the checks reflect {mean:g} of the light on average, more than {BRIGHTEST:g}"
-    level = LEVELS[2]
-    nodes = len(build_room(scene, width_over_gap=level.width_over_gap).cell_wall) * level.nodes**2
-    if nodes > MOST_NODES:
-        return f"its walls have {nodes} unknowns, more than {MOST_NODES}: the checks are too small for the box"
+    returned = _returned(scene)
+    if returned > LARGEST_RETURN:
+        return f"the sphere is so large that about {returned:.2f} of its light returns, more than {LARGEST_RETURN:g}"
+    room = build_room(scene, width_over_gap=LEVELS[0].width_over_gap)
+    thinnest = float((room.cell_high - room.cell_low).min()) / box.check_size
+    if thinnest < THINNEST:
+        return f"a wall or the light cuts a check to {thinnest:.2g} of its width, less than {THINNEST:g}"
+    if levels_within(scene) < 3:
+        return f"its walls have more than {MOST_NODES} unknowns: the checks are too small for the box"
     return None
+
+
+def levels_within(scene: Scene) -> int:
+    """Number of levels, from the coarsest, whose unknowns fit into memory."""
+    for number, level in enumerate(LEVELS):
+        nodes = len(build_room(scene, width_over_gap=level.width_over_gap).cell_wall) * level.nodes**2
+        if nodes > MOST_NODES:
+            return number
+    return len(LEVELS)
+
+
+def _returned(scene: Scene) -> float:
+    """Chance that light leaving the sphere meets it again, were the walls uniform: they see it as areas compare."""
+    x, y, z = (high - low for low, high in zip(scene.box.minimum, scene.box.maximum, strict=True))
+    view = 4 * math.pi * scene.sphere.radius**2 / (2 * (x * y + y * z + z * x))
+    mean = (scene.box.dark_reflectance + scene.box.light_reflectance) / 2
+    return mean * view / (1 - mean * (1 - view))

@@ -30,9 +30,8 @@ SPECULAR_EXPONENTS = ((0, 1), (1, 1), (0, 2), (2, 1), (1, 2), (0, 3))
 
 # A lobe wider than this part of the normal's turn across a pixel leaves the light's image smooth between samples.
 SMOOTH_LIGHT = 0.5
-# A sphere of fewer pixels than this gets more lobe samples for each: an edge crosses more of them, and time is there.
-FULL_SPHERE_PIXELS = 25_000
-MOST_REPEATS = 32
+# Smaller films are solved on one this wide or high, and averaged: many edges may run through one of their pixels.
+SMALLEST_FILM = 384
 # Pixels mapped, and roughnesses solved, at once: they bound memory.
 BAND_PIXELS = 1 << 18
 BATCH = 12
@@ -67,7 +66,9 @@ def solve(
         `SPECULAR_EXPONENTS`, shape (6, P).
     """
     fields_seed, lobe_seed = np.random.SeedSequence(list(seed)).spawn(2)
+    finer = -(-SMALLEST_FILM // max(scene.film.width, scene.film.height))
     camera = build_camera(scene)
+    camera = camera._replace(width=finer * camera.width, height=finer * camera.height)
     room = build_room(scene, width_over_gap=level.width_over_gap)
     solver = FieldSolver(room, level, fields_seed, scene.sphere.lobe)
     diffuse = solver.diffuse
@@ -81,11 +82,12 @@ def solve(
         textures = wall_texture(room, solver.nodes, level, columns, solver.light_at_nodes)
         own = textures[..., : diffuse.walls.shape[1]]
         if number == 0:
-            yield None, view.diffuse(diffuse, own)
+            yield None, _averaged(view.diffuse(diffuse, own), scene, finer)
         step()
         patches = patch_texture(room, own, level.patch_texels)
         for index, (alpha, field) in enumerate(zip(batch, specular, strict=True), start=1):
-            yield alpha, view.specular(alpha, field, patches, textures[..., 3 * index : 3 * index + 3])
+            image = view.specular(alpha, field, patches, textures[..., 3 * index : 3 * index + 3])
+            yield alpha, _averaged(image, scene, finer)
             step()
 
 
@@ -94,8 +96,15 @@ def _map_films(room: Room, camera: Camera, level: Level) -> list[tuple[NDArray[n
     count = camera.width * camera.height
     for start in range(0, count, BAND_PIXELS):
         pixels = np.arange(start, min(start + BAND_PIXELS, count))
-        films.append((pixels, map_film(room, camera, pixels, texels=level.texels, lines=level.lines)))
+        films.append((pixels, _mapped(room, camera, level, pixels)))
     return films
+
+
+def _mapped(room: Room, camera: Camera, level: Level, pixels: NDArray[np.int64]) -> FilmMap:
+    return map_film(
+        room, camera, pixels, texels=level.texels, lines=level.lines, wall_side=level.wall_side,
+        sphere_side=level.sphere_side,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -133,7 +142,10 @@ class _View:
     def specular(
         self, alpha: float, fields: Fields, patches: NDArray[np.float64], texture: NDArray[np.float64]
     ) -> NDArray[np.float32]:
-        """Coefficients of `SPECULAR_EXPONENTS`."""
+        """Coefficients of `SPECULAR_EXPONENTS`; the last wall fields go on as geometric series.
+
+        Of two meetings of two kinds there are two orders, of three there are three: hence 3/2.
+        """
         room, camera, level = self.room, self.camera, self.level
         own = patch_texture(room, texture, level.patch_texels)
         mirrored = self._mirrored(alpha, np.concatenate([patches, own], axis=3).astype(np.float32))
@@ -149,8 +161,8 @@ class _View:
                     walls[0] + s00,
                     walls[1] + sphere[0] + s10,
                     walls[2] + s01,
-                    q_d * walls[1] + sphere[1] + s20,
-                    q_s * walls[1] + sphere[2] + s11,
+                    1.5 * q_d * walls[1] + sphere[1] + s20,
+                    1.5 * q_s * walls[1] + sphere[2] + s11,
                     q_s * walls[2] + s02,
                 ]
             )
@@ -163,8 +175,7 @@ class _View:
         lobe: dict[str, Any] = {"alpha": alpha, "form": self.form}
         rng = np.random.default_rng(self.lobe_seed)
         disc = min(np.pi * outline**2, camera.width * camera.height)
-        samples = level.pixel_samples * int(np.clip(FULL_SPHERE_PIXELS / disc, 1, MOST_REPEATS))
-        if table_points(alpha, level.table_spacing) * level.table_samples <= disc * samples:
+        if table_points(alpha, level.table_spacing) * level.table_samples <= disc * level.pixel_samples:
             table = make_table(
                 room, camera, patches, rng, spacing=level.table_spacing, samples=level.table_samples,
                 light_points=level.light_points, **lobe,
@@ -176,11 +187,21 @@ class _View:
         for pixels, film in self.films:
             seen = (film.sphere_start, film.x, film.y, film.weight)
             radiance = radiance_of_pixels(
-                room, camera, pixels, *seen, patches, rng, samples=samples, with_light=not smooth, **lobe
+                room, camera, pixels, *seen, patches, rng, samples=level.pixel_samples, with_light=not smooth, **lobe
             )
             if smooth:
                 radiance[:, 0] += light_in_pixels(room, camera, *seen, points=level.light_points, **lobe)
             yield radiance
+
+
+def _averaged(image: NDArray[np.float32], scene: Scene, finer: int) -> NDArray[np.float32]:
+    """Coefficients on the scene's own film, shape (M, P), from one that is `finer` times as wide and high."""
+    if finer == 1:
+        return image
+    film = scene.film
+    blocks = image.reshape(len(image), film.height, finer, film.width, finer)
+    averaged: NDArray[np.float32] = blocks.mean(axis=(2, 4), dtype=np.float64).astype(np.float32)
+    return averaged.reshape(len(image), -1)
 
 
 def _flat(texture: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gloss_stimuli.exact.compiled import compiled, for_rows
-from gloss_stimuli.exact.lobe import FORMS, lobe_value, lobe_weight
+from gloss_stimuli.exact.lobe import FORMS, lobe_value, lobe_weight, mirrored
 from gloss_stimuli.exact.nodes import Nodes, lagrange
 from gloss_stimuli.exact.room import Room, cell_at, coordinate, frame, leave_box
-from gloss_stimuli.exact.sphere import cone, to_sphere
+from gloss_stimuli.exact.sphere import cone, cone_ray, to_sphere
 
 __all__ = ["lattice_steps", "light_by_sphere", "walls_by_sphere"]
 
@@ -95,14 +95,10 @@ def _wall_rows(
     basis_a, basis_b = np.empty(n), np.empty(n)
     for i in range(start, stop):
         px, py, pz = points[i, 0], points[i, 1], points[i, 2]
-        ax, ay, az, sx, sy, sz, tx, ty, tz, distance, spread = cone(box, px, py, pz)
+        seen, distance, spread = cone(box, px, py, pz)
         sign = -1.0 if wall[i] % 2 else 1.0
         for k in range(samples):
-            cosine = 1 - spread * ((k + shifts[i, 0]) / samples)
-            sine = math.sqrt(max(1 - cosine * cosine, 0.0))
-            angle = 2 * math.pi * (k * steps[0] + shifts[i, 1])
-            c, s = math.cos(angle) * sine, math.sin(angle) * sine
-            dx, dy, dz = ax * cosine + sx * c + tx * s, ay * cosine + sy * c + ty * s, az * cosine + sz * c + tz * s
+            dx, dy, dz, cosine = cone_ray(seen, (k + shifts[i, 0]) / samples, k * steps[0] + shifts[i, 1])
             facing = sign * coordinate(dx, dy, dz, wall[i] // 2)
             if facing <= 0:
                 continue
@@ -120,10 +116,7 @@ def _wall_rows(
             tangent = alpha * math.sqrt(-math.log(1 - (k * steps[1] + shifts[i, 2]) % 1.0))
             turn = 2 * math.pi * (k * steps[2] + shifts[i, 3])
             hx, hy = tangent * math.cos(turn), tangent * math.sin(turn)
-            cos_delta = 1 / math.sqrt(1 + tangent * tangent)
-            half_dot_i = (hx * ix + hy * iy + iz) * cos_delta
-            twice = 2 * half_dot_i * cos_delta
-            ox, oy, oz = twice * hx - ix, twice * hy - iy, twice - iz
+            ox, oy, oz, half_dot_i, cos_delta = mirrored(ix, iy, iz, hx, hy)
             if half_dot_i <= 0 or oz <= 0:
                 continue
             gx, gy, gz = ox * ux + oy * vx + oz * nx, ox * uy + oy * vy + oz * ny, ox * uz + oy * vz + oz * nz

@@ -13,10 +13,23 @@ from gloss_stimuli.exact.compiled import compiled, for_rows
 from gloss_stimuli.exact.nodes import Nodes, lagrange
 from gloss_stimuli.exact.room import Box, Room, cell_at, coordinate, frame, leave_box
 
-__all__ = ["hide_walls", "sphere_grid", "sphere_to_walls", "walls_to_sphere"]
+__all__ = [
+    "GOLDEN",
+    "cone",
+    "cone_ray",
+    "hide_walls",
+    "sphere_grid",
+    "sphere_texels",
+    "sphere_to_walls",
+    "to_sphere",
+    "walls_to_sphere",
+]
 
 GOLDEN = 0.6180339887498949
 FEWEST_RAYS = 64
+
+# Axis, two vectors across it, and 1 - cos of the half angle.
+Cone = tuple[float, float, float, float, float, float, float, float, float, float]
 
 
 def hide_walls(room: Room, nodes: Nodes, shifts: NDArray[np.float64], rays: int, matrix: NDArray[np.float32]) -> None:
@@ -75,16 +88,29 @@ def sphere_texels(nx: float, ny: float, nz: float, rows: int) -> tuple[int, int,
 
 
 @compiled
-def cone(
-    box: Box, px: float, py: float, pz: float
-) -> tuple[float, float, float, float, float, float, float, float, float, float, float]:
-    """The sphere seen from a point: unit axis, two vectors across it, distance, and 1 - cos of the half angle."""
+def cone(box: Box, px: float, py: float, pz: float) -> tuple[Cone, float, float]:
+    """The sphere seen from a point: its cone, the distance of its center, and 1 - cos of the half angle."""
     x, y, z = box.center[0] - px, box.center[1] - py, box.center[2] - pz
     distance = math.sqrt(x * x + y * y + z * z)
     x, y, z = x / distance, y / distance, z / distance
     sx, sy, sz, tx, ty, tz = frame(x, y, z)
     sine2 = (box.radius / distance) ** 2
-    return x, y, z, sx, sy, sz, tx, ty, tz, distance, sine2 / (1 + math.sqrt(1 - sine2))
+    spread = sine2 / (1 + math.sqrt(1 - sine2))
+    return (x, y, z, sx, sy, sz, tx, ty, tz, spread), distance, spread
+
+
+@compiled
+def cone_ray(seen: Cone, u: float, v: float) -> tuple[float, float, float, float]:
+    """Unit direction through a cone for two uniform numbers, even over solid angle, and its cosine from the axis."""
+    cosine = 1 - seen[9] * u
+    sine = math.sqrt(max(1 - cosine * cosine, 0.0))
+    c, s = math.cos(2 * math.pi * v) * sine, math.sin(2 * math.pi * v) * sine
+    return (
+        seen[0] * cosine + seen[3] * c + seen[6] * s,
+        seen[1] * cosine + seen[4] * c + seen[7] * s,
+        seen[2] * cosine + seen[5] * c + seen[8] * s,
+        cosine,
+    )
 
 
 @compiled
@@ -111,15 +137,11 @@ def _hidden_rows(
     for i in range(start, stop):
         hidden[:] = 0.0
         px, py, pz = points[i, 0], points[i, 1], points[i, 2]
-        ax, ay, az, sx, sy, sz, tx, ty, tz, _, spread = cone(box, px, py, pz)
+        seen, _, spread = cone(box, px, py, pz)
         count = rays_of_cone(rays, spread)
         share = 2 * spread / count  # solid angle of a ray over π
         for k in range(count):
-            cosine = 1 - spread * ((k + shifts[i, 0]) / count)
-            sine = math.sqrt(max(1 - cosine * cosine, 0.0))
-            angle = 2 * math.pi * (k * GOLDEN + shifts[i, 1])
-            c, s = math.cos(angle) * sine, math.sin(angle) * sine
-            dx, dy, dz = ax * cosine + sx * c + tx * s, ay * cosine + sy * c + ty * s, az * cosine + sz * c + tz * s
+            dx, dy, dz, _ = cone_ray(seen, (k + shifts[i, 0]) / count, k * GOLDEN + shifts[i, 1])
             behind, x, y, z = leave_box(box, px, py, pz, dx, dy, dz)
             if behind == wall[i]:
                 continue
@@ -142,16 +164,12 @@ def _returned_rows(
     rows, box = texture.shape[0], room.box
     for i in range(start, stop):
         px, py, pz = points[i, 0], points[i, 1], points[i, 2]
-        ax, ay, az, sx, sy, sz, tx, ty, tz, distance, spread = cone(box, px, py, pz)
+        seen, distance, spread = cone(box, px, py, pz)
         count = rays_of_cone(rays, spread)
         share = 2 * spread / count
         sign = -1.0 if wall[i] % 2 else 1.0
         for k in range(count):
-            cosine = 1 - spread * ((k + shifts[i, 0]) / count)
-            sine = math.sqrt(max(1 - cosine * cosine, 0.0))
-            angle = 2 * math.pi * (k * GOLDEN + shifts[i, 1])
-            c, s = math.cos(angle) * sine, math.sin(angle) * sine
-            dx, dy, dz = ax * cosine + sx * c + tx * s, ay * cosine + sy * c + ty * s, az * cosine + sz * c + tz * s
+            dx, dy, dz, cosine = cone_ray(seen, (k + shifts[i, 0]) / count, k * GOLDEN + shifts[i, 1])
             facing = sign * coordinate(dx, dy, dz, wall[i] // 2)
             if facing <= 0:
                 continue
