@@ -89,18 +89,18 @@ def _wall_rows(
                 m = my * dy + mz * dz
                 b, c = mx * m, m * m - s * c2
                 discriminant = b * b - a * c
-                if a < 0:
-                    if discriminant > 0:
-                        root = math.sqrt(discriminant)
-                        low, high = (-b + root) / a, (-b - root) / a
-                        if mx * 0.5 * (low + high) + m > 0:
+                if discriminant > 0 or a > 0:
+                    # The root of the larger magnitude first, so that nothing cancels; it is infinite where a vanishes.
+                    q = -(b + math.copysign(math.sqrt(max(discriminant, 0.0)), b))
+                    first, second = q / a, c / q if q != 0 else 0.0
+                    low, high = min(first, second), max(first, second)
+                    if a < 0:
+                        if mx * 0.5 * (max(x0, low) + min(x1, high)) + m > 0:
                             value -= _strip(axis, max(x0, low), min(x1, high), c2, dy, dz, sign)
-                elif a > 0:
-                    root = math.sqrt(max(discriminant, 0.0))
-                    if mx > 0:
-                        value -= _strip(axis, max(x0, (-b + root) / a), x1, c2, dy, dz, sign)
+                    elif mx > 0:
+                        value -= _strip(axis, max(x0, high), x1, c2, dy, dz, sign)
                     else:
-                        value -= _strip(axis, x0, min(x1, (-b - root) / a), c2, dy, dz, sign)
+                        value -= _strip(axis, x0, min(x1, low), c2, dy, dz, sign)
             total += weights[k] * value
         out[i] = box.light_luminance * depth * max(total, 0.0)
 

@@ -93,9 +93,9 @@ def light_by_lobe(
     if x1 <= x0 or z1 <= z0:
         return 0.0
     nodes, weights = rules[0], rules[1]
-    if facing < 0.25:
+    if facing < 0.35:
         nodes, weights = rules[4], rules[5]
-    elif facing < 0.5:
+    elif facing < 0.7:
         nodes, weights = rules[2], rules[3]
     height = box.high[1] - py
     ux, uy, uz, vx, vy, vz = frame(nx, ny, nz)
