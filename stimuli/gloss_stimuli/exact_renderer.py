@@ -86,7 +86,7 @@ class ExactRenderer:
         """Render stimuli, those that are easily exact first, and by α among them."""
         waiting = list(stimuli)
         first = 0 if self.target.max_code_error >= LOOSE_CODE_ERROR else 1
-        last = levels_within(self.scene) - 2  # of which the next one is the finest
+        last = levels_within(self.scene, LEVELS) - 2  # of which the next one is the finest
         for level in range(first, last + 1):
             alphas = alphas_of(waiting)
             for one in (level, level + 1) if level == first else (level + 1,):

@@ -458,11 +458,11 @@ def test_a_sphere_near_a_wall_is_traced_instead_and_this_is_said(tmp_path: Path,
     stimuli = render_set(one, tmp_path / "out", size=8, max_code_error=20, fraction=0.5, scene=scene)
     reason = "the sphere is 0.04 from a wall, nearer than 0.1 of its radius"
     rendering = stimuli.manifest["rendering"]
-    assert (rendering["method"], rendering["reason"]) == ("coefficient path tracing", reason)
+    assert (rendering["method"], rendering["reason"]) == ("coefficients", reason)
     assert rendering["samples_a_randomisation"] == {"diffuse": 256, "sphere": 64, "wall": 16}
     assert stimuli.manifest["stimuli"][0]["rendering"] == {"randomisations": 8}
     said = " ".join(capsys.readouterr().err.split())
-    assert f"paints: 1 stimuli by the method 'coefficient path tracing' ({reason})".replace("paints", "one") in said
+    assert f"paints: 1 stimulus by the method 'coefficients' ({reason})".replace("paints", "one") in said
 
 
 @pytest.mark.usefixtures("llvm")
@@ -486,7 +486,7 @@ def test_coefficients_and_exact_agree(rendered: StimulusSet, few_paints: Path, t
 def test_path_tracing_takes_the_samples_asked_for(few_paints: Path, tmp_path: Path) -> None:
     stimuli = render_set(few_paints, tmp_path / "out", size=4, method="path", samples_per_pixel=16, quality="draft")
     rendering = stimuli.manifest["rendering"]
-    assert (rendering["method"], rendering["reason"]) == ("path tracing", "asked for")
+    assert (rendering["method"], rendering["reason"]) == ("path", "asked for")
     assert rendering["samples_per_pixel_asked_for"] == 16
     for entry in stimuli.manifest["stimuli"]:
         assert entry["rendering"]["samples_per_pixel"] == 16
@@ -506,7 +506,7 @@ def test_a_mitsuba_scene_makes_a_set_like_any_other(few_paints: Path, tmp_path: 
     stimuli = render_set(few_paints, tmp_path / "out", scene=MESH, size="8x6", samples_per_pixel=64)
     assert stimuli.image_size == (8, 6)
     rendering = stimuli.manifest["rendering"]
-    assert (rendering["method"], rendering["reason"]) == ("path tracing", "it is a Mitsuba scene")
+    assert (rendering["method"], rendering["reason"]) == ("path", "it is a Mitsuba scene")
     assert set(rendering["scene_files"]) == {"scene.xml", "sky.exr", "icosahedron.ply"}
     for name in NAMES:
         assert np.abs(read_codes(stimuli.image_path(name)) - exact_codes(stimuli, name)).max() <= 0.5 + 1e-6

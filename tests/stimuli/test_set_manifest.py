@@ -61,7 +61,7 @@ def test_it_says_how_it_was_rendered_why_so_and_what_was_aimed_at(tmp_path: Path
 @pytest.mark.parametrize(
     ("method", "packages"),
     [
-        ("exact", ["numba", "numpy", "scipy"]),
+        ("exact", ["numba", "llvmlite", "numpy", "scipy"]),
         ("coefficients", ["mitsuba", "drjit", "numpy"]),
         ("path", ["mitsuba", "drjit"]),
     ],
@@ -94,7 +94,7 @@ def test_measurements_are_explained(tmp_path: Path) -> None:
 def test_a_mitsuba_scene_is_kept_with_the_hash_of_every_file(tmp_path: Path) -> None:
     document = manifest(read_user_scene(MESH), tmp_path, samples_per_pixel=64)
     rendering = document["rendering"]
-    assert (rendering["method"], rendering["reason"]) == ("path tracing", "it is a Mitsuba scene")
+    assert (rendering["method"], rendering["reason"]) == ("path", "it is a Mitsuba scene")
     assert set(rendering["scene_files"]) == {"scene.xml", "sky.exr", "icosahedron.ply"}
     assert rendering["samples_per_pixel_asked_for"] == 64
     assert document["measurements"]["patches"] is None

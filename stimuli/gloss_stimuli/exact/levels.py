@@ -85,7 +85,7 @@ LEVELS = (
         light_points=20, lines=24, wall_side=1, sphere_side=2, pixel_samples=2048,
     ),
     Level(
-        width_over_gap=1.6, nodes=6, edge_points=13, light_lines=250, cone_rays=65536, lobe_samples=1024,
+        width_over_gap=0.7, nodes=4, edge_points=13, light_lines=250, cone_rays=65536, lobe_samples=1024,
         sphere_rows=64, texels=24, patch_texels=15, sphere_texture_rows=320, edge_passes=4, table_spacing=0.36,
         table_samples=2584, light_points=24, lines=33, wall_side=2, sphere_side=3, pixel_samples=8192,
     ),

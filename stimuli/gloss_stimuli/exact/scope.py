@@ -1,8 +1,9 @@
 """Which scenes the exact renderer holds for; anything else is better traced."""
 
 import math
+from collections.abc import Sequence
 
-from gloss_stimuli.exact.levels import LEVELS
+from gloss_stimuli.exact.levels import LEVELS, Level
 from gloss_stimuli.exact.room import build_room
 from gloss_stimuli.scene import Scene
 
@@ -61,18 +62,18 @@ def why_not_exact(scene: Scene) -> str | None:
     thinnest = float((room.cell_high - room.cell_low).min()) / box.check_size
     if thinnest < THINNEST:
         return f"a wall or the light cuts a check to {thinnest:.2g} of its width, less than {THINNEST:g}"
-    if levels_within(scene) < 3:
+    if levels_within(scene, LEVELS) < 3:
         return f"its walls have more than {MOST_NODES} unknowns: the checks are too small for the box"
     return None
 
 
-def levels_within(scene: Scene) -> int:
-    """Number of levels, from the coarsest, whose unknowns fit into memory."""
-    for number, level in enumerate(LEVELS):
+def levels_within(scene: Scene, levels: Sequence[Level]) -> int:
+    """Number of levels, from the coarsest on, whose unknowns fit into memory."""
+    for number, level in enumerate(levels):
         nodes = len(build_room(scene, width_over_gap=level.width_over_gap).cell_wall) * level.nodes**2
         if nodes > MOST_NODES:
             return number
-    return len(LEVELS)
+    return len(levels)
 
 
 def _returned(scene: Scene) -> float:
