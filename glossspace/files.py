@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import tempfile
+import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,6 +18,7 @@ __all__ = [
     "check_file_target",
     "check_folder_target",
     "read_json",
+    "read_toml",
     "sha256_of",
     "shipped_folder",
     "whole_file",
@@ -161,6 +163,29 @@ def read_json(path: str | Path, *, what: str) -> dict[str, Any]:
     if not isinstance(document, dict):
         raise GlossError(f"The {what} '{path}' must hold a JSON object, but holds a {type(document).__name__}.")
     return document
+
+
+def read_toml(path: str | Path, *, what: str) -> dict[str, Any]:
+    """Read a TOML table; `what` names the kind of file in the error message.
+
+    Raises
+    ------
+    GlossError
+        The file is missing, unreadable or not TOML.
+    """
+    path = Path(path)
+    try:
+        # Some editors begin a file with a byte order mark, which "utf-8-sig" skips.
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except FileNotFoundError:
+        raise GlossError(f"No {what} at '{path}'. Check the path.") from None
+    except OSError as error:
+        raise GlossError(f"Cannot read the {what} '{path}': {error.strerror or error}.") from None
+    except UnicodeDecodeError:
+        raise GlossError(f"The {what} '{path}' is not in UTF-8. Save it in that encoding.") from None
+    except (ValueError, RecursionError) as error:
+        hint = " A number needs a digit before its point: 0.1, not .1." if "Invalid value" in str(error) else ""
+        raise GlossError(f"The {what} '{path}' is not valid TOML: {error}.{hint}") from None
 
 
 def _refuse_constant(name: str) -> None:

@@ -178,7 +178,8 @@ class ExactRenderer:
             return None  # absent or damaged: it is made again
         film = self.scene.film
         terms = len(DIFFUSE_EXPONENTS if alpha is None else SPECULAR_EXPONENTS)
-        return coefficients if coefficients.shape == (terms, film.width * film.height) else None
+        fitting = coefficients.shape == (terms, film.width * film.height) and coefficients.dtype == np.float32
+        return coefficients if fitting and np.isfinite(coefficients).all() else None
 
     def _path(self, level: int, alpha: float | None) -> Path:
         return self.cache / f"exact-{self._key(level, alpha)[:32]}.npz"

@@ -11,7 +11,7 @@ from gloss_stimuli.composite import write_composite
 from gloss_stimuli.content_key import content_key
 from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.images import write_codes, write_luminance
-from gloss_stimuli.measurements import COLUMNS, FILE_NAME, find_patches, measure, write_measurements
+from gloss_stimuli.measurements import FILE_NAME, find_patches, measure, write_measurements
 from gloss_stimuli.method import Method, choose_renderer
 from gloss_stimuli.mirrored_checks import PatchGeometry
 from gloss_stimuli.renderer import Renderer, Rendering
@@ -133,6 +133,10 @@ def check_rendering(out: str | Path, *, size: str | int | None, seed: int) -> No
     if Path(out).is_file():
         raise GlossError(f"Cannot render into '{out}': it is a file. Give a folder.")
     check_folder_target(out)
+    try:
+        str(out).encode()
+    except UnicodeEncodeError:
+        raise GlossError(f"Cannot render into {str(out)!r}: its name is not valid in UTF-8. Choose another.") from None
 
 
 def tone_curve(scene: Scene | UserScene) -> ToneCurve:
@@ -183,11 +187,11 @@ class _Job:
             return None
         try:
             record = read_json(path, what="record of a finished stimulus")
-            entry = record["entry"]
-            if record["key"] != self.key(stimulus) or set(record["measurements"]) != set(COLUMNS):
+            entry, seal = record["entry"], content_key(entry=record["entry"], measurements=record["measurements"])
+            if (record["key"], record["seal"]) != (self.key(stimulus), seal):
                 return None
             hashes = {kind: sha256_of(self.out / entry[kind]) for kind in entry["sha256"]}
-        except (GlossError, KeyError, TypeError, OSError):
+        except (GlossError, KeyError, TypeError, ValueError, OSError):
             return None  # damaged or incomplete: it is made again
         return record if hashes == entry["sha256"] else None
 
@@ -245,7 +249,8 @@ def _write_stimulus(job: _Job, rendering: Rendering, patches: PatchGeometry | No
     measurements = measure(
         patches, stimulus, luminance, rendering.white_luminance, tone=job.tone, display=job.display
     )  # fmt: skip
-    record = {"key": job.key(stimulus), "entry": entry, "measurements": measurements}
+    seal = content_key(entry=entry, measurements=measurements)
+    record = {"key": job.key(stimulus), "seal": seal, "entry": entry, "measurements": measurements}
     # Last, since this record is what says that the stimulus is finished.
     write_json(job.record_path(stimulus), record)
     return record

@@ -2,7 +2,6 @@
 
 import math
 import re
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -12,7 +11,7 @@ from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.luminance_table import LuminanceTable
 from gloss_stimuli.viewing import ViewingGeometry
 from glossspace.errors import GlossError
-from glossspace.files import shipped_folder
+from glossspace.files import read_toml, shipped_folder
 
 __all__ = [
     "DEFAULT_SCENE",
@@ -278,9 +277,7 @@ def read_scene(source: str | Path | None = None) -> Scene:
             raise GlossError(f"No scene '{source}': neither a TOML file nor a shipped scene. Shipped scenes: {names}.")
         path = named
     try:
-        return Scene.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise GlossError(f"The scene '{path}' is not valid TOML: {error}.") from None
+        return Scene.model_validate(read_toml(path, what="scene"))
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"]) or "scene"

@@ -1,10 +1,11 @@
 """Any scene file: a box of ours, or a Mitsuba scene of the user's own, told apart by the format that it states."""
 
-import tomllib
 from pathlib import Path
 
 from gloss_stimuli.scene import Scene, read_scene
 from gloss_stimuli.user_scene import FORMAT, UserScene, read_user_scene
+from glossspace.errors import GlossError
+from glossspace.files import read_toml
 
 __all__ = ["read_any_scene"]
 
@@ -24,6 +25,6 @@ def read_any_scene(source: str | Path | None = None) -> Scene | UserScene:
 
 def _format_of(path: Path) -> object:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8")).get("format")
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        return read_toml(path, what="scene").get("format")
+    except GlossError:
         return None  # what is wrong with it is said by whoever reads it

@@ -4,7 +4,6 @@ import csv
 import itertools
 import math
 import re
-import tomllib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AliasChoices, BaseModel, ConfigDict, Discriminator, Field, Tag, ValidationError, model_validator
 
 from glossspace.errors import GlossError
-from glossspace.files import shipped_folder
+from glossspace.files import read_toml, shipped_folder
 from glossspace.metric import diffuse_reflectance, max_contrast_gloss, to_physical
 from glossspace.stimulus_set import Stimulus
 from glossspace.user_table import read_user_table
@@ -158,9 +157,7 @@ def read_stimulus_list(source: str | Path) -> StimulusList:
 
 def _read_toml(path: Path) -> StimulusList:
     try:
-        content = _ListFile.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise GlossError(f"Cannot read the stimulus list '{path}': {error}.") from None
+        content = _ListFile.model_validate(read_toml(path, what="stimulus list"))
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"])

@@ -156,7 +156,13 @@ def solve_tone_curve(*, adapting: float, minimum: float, maximum: float, slope: 
         )
     knee = math.exp(brentq(excess, smallest, largest, xtol=1e-15, rtol=1e-15, maxiter=500))
     exponent = _exponent(math.log(knee), slope)
-    top = high**exponent
+    try:
+        top = high**exponent
+    except OverflowError:
+        raise GlossError(
+            f"No tone curve of slope {slope:g} reaches from {adapting:g} to {maximum:g} cd/m2: its power of "
+            f"{exponent:g} is beyond any number. Lower [tone] slope, or narrow its luminance range."
+        ) from None
     gain = (top + knee) / (top + 1 / knee)
     return ToneCurve(
         adapting_luminance_cd_m2=adapting,

@@ -14,7 +14,6 @@ names the XML and has the sections film, tone, display and viewing of every othe
 """
 
 import re
-import tomllib
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -26,7 +25,7 @@ from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError,
 
 from gloss_stimuli.scene import Display, Film, Tone, Viewing
 from glossspace.errors import GlossError
-from glossspace.files import sha256_of
+from glossspace.files import read_toml, sha256_of
 from glossspace.stimulus_set import Stimulus
 
 __all__ = ["FORMAT", "UserScene", "read_user_scene"]
@@ -115,13 +114,7 @@ def read_user_scene(path: str | Path) -> UserScene:
     """
     path = Path(path)
     try:
-        scene = UserScene.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
-    except FileNotFoundError:
-        raise GlossError(f"No scene at '{path}'. Check the path.") from None
-    except OSError as error:
-        raise GlossError(f"Cannot read the scene '{path}': {error.strerror or error}.") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise GlossError(f"The scene '{path}' is not valid TOML: {error}.") from None
+        scene = UserScene.model_validate(read_toml(path, what="scene"))
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"]) or "scene"
@@ -214,7 +207,7 @@ def _read_xml(path: Path, source: _Source) -> None:
     source.files.add(path)
     try:
         root = ElementTree.parse(path).getroot()
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, LookupError, ValueError) as error:  # the latter two: encodings it does not know
         raise GlossError(f"The Mitsuba scene '{path}' is not valid XML: {error}.") from None
     except OSError as error:
         raise GlossError(f"Cannot read the Mitsuba scene '{path}': {error.strerror or error}.") from None

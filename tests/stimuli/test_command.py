@@ -42,7 +42,8 @@ def test_a_target_that_was_not_reached_is_in_the_document(
 ) -> None:
     monkeypatch.setattr(exact_renderer, "LEVELS", LEVELS[:2])
     render(
-        stimulus_set=str(few_paints), out=tmp_path / "out", size="64", max_code_error=1.0, fraction=0.99999999999, json=True
+        stimulus_set=str(few_paints), out=tmp_path / "out", size="64", max_code_error=1.0, fraction=0.99999999999,
+        json=True,
     )  # fmt: skip
     captured = capsys.readouterr()
     document = json.loads(captured.out)

@@ -29,7 +29,7 @@ def test_a_mitsuba_scene_is_told_by_the_format_that_it_states(source: str | Path
     ("content", "message"),
     [
         (b"format = ", "not valid TOML"),
-        (b"\xff\xfe", "not valid TOML"),
+        (b"\xff\xfe", "is not in UTF-8"),
         (b'format = "glossspace/stimulus-list"', "not valid at 'format'"),
         (b'format = "glossspace/mitsuba-scene"', "not valid at 'version'"),
         (b"", "not valid at 'format'"),

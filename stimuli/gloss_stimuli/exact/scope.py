@@ -58,6 +58,13 @@ def why_not_exact(scene: Scene) -> str | None:
     returned = _returned(scene)
     if returned > LARGEST_RETURN:
         return f"the sphere is so large that about {returned:.2f} of its light returns, more than {LARGEST_RETURN:g}"
+    checks = sum(
+        2 * (high[a] - low[a]) / box.check_size * (high[b] - low[b]) / box.check_size
+        for low, high in [(box.minimum, box.maximum)]
+        for a, b in ((0, 1), (1, 2), (2, 0))
+    )
+    if checks * LEVELS[0].nodes ** 2 > MOST_NODES:
+        return f"its walls have about {checks:.3g} checks: they are too small for the box"
     room = build_room(scene, width_over_gap=LEVELS[0].width_over_gap)
     thinnest = float((room.cell_high - room.cell_low).min()) / box.check_size
     if thinnest < THINNEST:
