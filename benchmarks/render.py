@@ -22,6 +22,7 @@ from rendering.methods import (
     COEFFICIENTS,
     EXACT,
     STOCK,
+    USUAL_LEVELS,
     Bench,
     Point,
     coefficient_points,
@@ -93,7 +94,7 @@ def main() -> None:
         compiled_s[STOCK], stock = stock_points(bench, effort.samples)
         compiled_s[COEFFICIENTS], coefficients = coefficient_points(bench, effort.randomisations)
         points = [*stock, *coefficients, *exact_points(bench, effort.levels)]
-    console = Console(width=150, highlight=False)
+    console = Console(width=165, highlight=False)
     console.print(run_table(scene, points))
     console.print(equal_error_table(points))
     console.print(*remarks(effort, own_error, points, compiled_s), sep="\n")
@@ -131,9 +132,13 @@ def remarks(effort: Effort, own_error: float, points: list[Point], compiled_s: d
     levels = effort.reference_levels
     yield (
         f"Reference: exact levels {levels[0]} and {levels[1]}, seed {REFERENCE_SEED}; its own estimate of its error is "
-        f"at most {own_error:.2g} codes on 99.9 % of the pixels. So the exact renderer is measured against a finer "
-        "solution of its own, whose error adds to that shown. What they may have in common shows in 'mean off' of "
+        f"at most {own_error:.2g} codes on 99.9 % of the pixels. So the exact renderer is measured against another "
+        "solution of its own kind, whose error adds to that shown. What they may have in common shows in 'mean off' of "
         "stock path, which shares no code with them (± one standard error)."
+    )
+    yield (
+        f"At an error of half a code the exact renderer is charged for {USUAL_LEVELS}, where `gloss render` starts for "
+        "it; the other rows compare at the error that each rung has."
     )
     yield (
         "Extrapolated: all CPU-s of path tracing in the second table, from the longest run, for an error that falls "

@@ -8,10 +8,10 @@ specular light, e and h the light itself, and ρ the checks::
     E00 = K ρE00 + e                         H_ij = (walls to sphere) ρE_ij,  H00 also + h
     E10 = K ρE10 + D H00                     E01 = K ρE01 + S ρE00 + (light by way of the lobe)
     E20 = K ρE20 + D H10                     E11 = K ρE11 + D H01 + S ρE10
-                                             E02 = K ρE02 + S ρE01
+    E30 = K ρE30 + D H20                     E02 = K ρE02 + S ρE01
 
-Each return to the sphere keeps only a few per cent of the light, and what has returned twice has forgotten where it
-came from: from the second order on the series is taken as geometric (`Fields.returns`).
+Each return to the sphere keeps a small part of the light, and what has returned often has forgotten where it came from:
+from the third order on the series is taken as geometric (`Fields.returned`); of mixed kinds, from the second.
 """
 
 from dataclasses import dataclass
@@ -40,10 +40,10 @@ class Fields:
 
     Attributes
     ----------
-    walls : array, shape (N, 3)
-        At the nodes of the walls, the light included. Columns are E00, E10, E20, or E01, E11, E02.
+    walls : array, shape (N, 4) or (N, 3)
+        At the nodes of the walls, the light included. Columns are E00, E10, E20, E30, or E01, E11, E02.
     returned : float
-        Ratio in which one more return to the sphere reduces the last field of pure kind: (2, 0), or (0, 2).
+        Ratio in which one more return to the sphere reduces the last field of pure kind: E30, or E02.
     """
 
     walls: NDArray[np.float64]
@@ -84,11 +84,13 @@ class FieldSolver:
         e10 = self._exchange(self._return(h00))
         h10 = self._on_sphere(e10)
         e20 = self._exchange(self._return(h10))
-        return Fields(np.hstack([e00, e10, e20]), self._ratio(self._on_sphere(e20), h10))
+        h20 = self._on_sphere(e20)
+        e30 = self._exchange(self._return(h20))
+        return Fields(np.hstack([e00, e10, e20, e30]), self._ratio(self._on_sphere(e30), h20))
 
     def specular(self, alpha: float) -> Fields:
         """Fields of the lobe with roughness `alpha`."""
-        e00, e10, _ = self.diffuse.walls.T[:, :, None]
+        e00, e10, _, _ = self.diffuse.walls.T[:, :, None]
         # The same numbers for every α: noise that stimuli share does not tell them apart.
         shifts = np.random.default_rng(self._lobe_seed).random((len(e00), 4))
 

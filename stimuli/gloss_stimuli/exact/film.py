@@ -1,8 +1,9 @@
 """What each pixel sees: weights of the walls' texels, points of the sphere, and the share that the light fills.
 
-A pixel inside a check or inside the sphere's outline takes a few samples. A pixel with an edge in it, of a check,
-of the light or of the sphere, is cut by scan lines across that edge; crossings are found by bisection, and each piece
-of a line takes a sample of its own. The map is made once and serves every paint and every α.
+A pixel inside a check or inside the sphere's outline takes a few samples. A pixel with an edge in it, of a check, of
+the light or of the sphere, is cut by scan lines across that edge; crossings are found by bisection, and each piece of
+a line takes a sample of its own. What passes between the corners, the middle and the probes of a pixel is not seen,
+such as a light smaller than a pixel. The map is made once and serves every paint and every α.
 """
 
 import math

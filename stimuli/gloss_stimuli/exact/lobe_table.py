@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, spline_filter
 
-from gloss_stimuli.exact.camera import Camera, sphere_point
+from gloss_stimuli.exact.camera import LARGEST_INCIDENCE, Camera, sphere_point
 from gloss_stimuli.exact.compiled import compiled, for_rows
 from gloss_stimuli.exact.lobe import FORMS, GRAZING_POWER, lobe_weight, mirrored
 from gloss_stimuli.exact.lobe_light import Rules, light_by_lobe, light_rules
@@ -176,8 +176,9 @@ def _look_up_rows(
             i, j = int(column), int(row)
             _spline_weights(column - i, wx)
             _spline_weights(row - j, wy)
-            cosine = math.cos(math.sqrt(x[k] * x[k] + y[k] * y[k]))
-            scale = weight[k] / max(cosine, 1e-6) ** power
+            # As the table's own points, a sample at the outline is taken from just inside.
+            incidence = min(math.sqrt(x[k] * x[k] + y[k] * y[k]), LARGEST_INCIDENCE)
+            scale = weight[k] / math.cos(incidence) ** power
             for b in range(ORDER + 1):
                 for a in range(ORDER + 1):
                     share = scale * wy[b] * wx[a]

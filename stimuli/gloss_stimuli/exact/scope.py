@@ -20,7 +20,7 @@ NARROWEST = 1.5
 # Thinnest cell, in checks: splines through the nodes of a wall do not bear slivers beside whole checks.
 THINNEST = 0.02
 # Estimated part of the sphere's light that returns to it: images are series in it, cut off after the fourth order.
-LARGEST_RETURN = 0.12
+LARGEST_RETURN = 0.06
 # Mean reflectance of the checks above which reflections die away too slowly to be summed.
 BRIGHTEST = 0.95
 

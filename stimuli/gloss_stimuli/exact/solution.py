@@ -84,9 +84,10 @@ def solve(
         if number == 0:
             yield None, _averaged(view.diffuse(diffuse, own), scene, finer)
         step()
-        patches = patch_texture(room, own, level.patch_texels)
-        for index, (alpha, field) in enumerate(zip(batch, specular, strict=True), start=1):
-            image = view.specular(alpha, field, patches, textures[..., 3 * index : 3 * index + 3])
+        patches = patch_texture(room, own[..., :3], level.patch_texels)  # of higher order nothing is seen in the sphere
+        first = diffuse.walls.shape[1]
+        for index, (alpha, field) in enumerate(zip(batch, specular, strict=True)):
+            image = view.specular(alpha, field, patches, textures[..., first + 3 * index :][..., :3])
             yield alpha, _averaged(image, scene, finer)
             step()
 
@@ -133,8 +134,8 @@ class _View:
                     walls[0],
                     walls[1] + sphere[0],
                     walls[2] + sphere[1],
-                    q * walls[2] + sphere[2],
-                    q * q * walls[2] + q * sphere[2],
+                    walls[3] + sphere[2],
+                    q * walls[3] + sphere[3],
                 ]
             )
         return _image(rows)

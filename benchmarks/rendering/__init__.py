@@ -1,0 +1,1 @@
+"""Parts of `benchmarks/render.py`: the methods it compares, and what it says of them."""
