@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from scipy.stats import qmc
@@ -62,6 +63,52 @@ def rectangle(wall: int, plane: float, low: np.ndarray, high: np.ndarray) -> np.
     corners[:, (axis + 1) % 3] = [low[0], high[0], high[0], low[0]]
     corners[:, (axis + 2) % 3] = [low[1], low[1], high[1], high[1]]
     return corners
+
+
+def plane(room: Room, wall: int) -> float:
+    """Coordinate of a wall along its axis."""
+    return (room.box.low, room.box.high)[wall % 2][wall // 2]
+
+
+def corners_of(room: Room, cell: int) -> np.ndarray:
+    """Corners of a cell."""
+    wall = room.cell_wall[cell]
+    return rectangle(wall, plane(room, wall), room.cell_low[cell], room.cell_high[cell])
+
+
+def kernel(point: np.ndarray, wall: int, sources: np.ndarray, other: int) -> np.ndarray:
+    """cosθ cosθ' / (π r²) from sources on one wall to a point on another."""
+    way = sources - point
+    r2 = (way**2).sum(-1)
+    return np.maximum(way @ inward(wall), 0) * np.maximum(-way @ inward(other), 0) / (np.pi * r2**2)
+
+
+def graded(low: float, high: float, toward: float, scale: float) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss points on panels that halve towards a place, down to a scale: any integrand that peaks there is smooth."""
+    x, w = np.polynomial.legendre.leggauss(12)
+    x, w = (x + 1) / 2, w / 2
+    near = min(max(toward, low), high)
+    panels = []
+    for reach in (low - near, high - near):
+        halvings = max(0, int(np.ceil(np.log2(max(abs(reach), 1e-300) / scale))) + 2)
+        edges = near + reach * np.append(2.0 ** -np.arange(halvings + 1.0), 0.0)
+        panels += [sorted(pair) for pair in pairwise(edges)]
+    places = np.concatenate([begin + (end - begin) * x for begin, end in panels])
+    return places, np.concatenate([(end - begin) * w for begin, end in panels])
+
+
+def by_graded_quadrature(room: Room, point: np.ndarray, wall: int, cell: int, radiosity: Callable) -> float:
+    """Irradiance of a point from a cell whose radiosity is a function of its two coordinates from 0 to 1."""
+    other = int(room.cell_wall[cell])
+    height = abs(point[other // 2] - plane(room, other))
+    low, high = room.cell_low[cell], room.cell_high[cell]
+    (a, wa), (b, wb) = (
+        graded(low[side], high[side], point[(other // 2 + 1 + side) % 3], height) for side in (0, 1)
+    )  # fmt: skip
+    sources = np.full((len(b), len(a), 3), plane(room, other))
+    sources[..., (other // 2 + 1) % 3], sources[..., (other // 2 + 2) % 3] = a, b[:, None]
+    u, v = (a - low[0]) / (high[0] - low[0]), (b - low[1]) / (high[1] - low[1])
+    return float(np.einsum("b,a,ba,ba->", wb, wa, kernel(point, wall, sources, other), radiosity(u, v[:, None])))
 
 
 def light_rectangle(scene: Scene) -> np.ndarray:

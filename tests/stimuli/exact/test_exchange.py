@@ -1,7 +1,5 @@
 """Light from wall to wall: against Lambert's formula for polygons, closed forms, and graded quadrature."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -19,9 +17,20 @@ from gloss_stimuli.exact.exchange import (
     relative_distance,
 )
 from gloss_stimuli.exact.levels import LEVELS
-from gloss_stimuli.exact.nodes import gauss_legendre, make_nodes
+from gloss_stimuli.exact.nodes import make_nodes
 from gloss_stimuli.exact.room import build_room
-from tests.stimuli.exact.rooms import furnace, inward, polygon_irradiance, rectangle, scene_of, wall_normals
+from tests.stimuli.exact.rooms import (
+    by_graded_quadrature,
+    corners_of,
+    furnace,
+    inward,
+    kernel,
+    plane,
+    polygon_irradiance,
+    rectangle,
+    scene_of,
+    wall_normals,
+)
 
 SCENE = scene_of()
 ROOM = build_room(SCENE, width_over_gap=1.4)
@@ -40,49 +49,6 @@ WHOLE_WALLS = scene_of(box={"minimum": [-1, -1, -1], "maximum": [1, 1, 1], "chec
 })  # fmt: skip
 
 PERPENDICULAR = [(wall, other) for wall in range(6) for other in range(6) if wall // 2 != other // 2]
-
-
-def plane(room, wall: int) -> float:
-    return (room.box.low, room.box.high)[wall % 2][wall // 2]
-
-
-def corners_of(room, cell: int) -> np.ndarray:
-    wall = room.cell_wall[cell]
-    return rectangle(wall, plane(room, wall), room.cell_low[cell], room.cell_high[cell])
-
-
-def kernel(point: np.ndarray, wall: int, sources: np.ndarray, other: int) -> np.ndarray:
-    """cosθ cosθ' / (π r²) from sources on one wall to a point on another."""
-    way = sources - point
-    r2 = (way**2).sum(-1)
-    return np.maximum(way @ inward(wall), 0) * np.maximum(-way @ inward(other), 0) / (np.pi * r2**2)
-
-
-def graded(low: float, high: float, toward: float, scale: float) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss points on panels that halve towards a place, down to a scale: any integrand that peaks there is smooth."""
-    x, w = gauss_legendre(12)
-    near = min(max(toward, low), high)
-    panels = []
-    for reach in (low - near, high - near):
-        halvings = max(0, int(np.ceil(np.log2(max(abs(reach), 1e-300) / scale))) + 2)
-        edges = near + reach * np.append(2.0 ** -np.arange(halvings + 1.0), 0.0)
-        panels += [sorted(pair) for pair in pairwise(edges)]
-    places = np.concatenate([begin + (end - begin) * x for begin, end in panels])
-    return places, np.concatenate([(end - begin) * w for begin, end in panels])
-
-
-def by_graded_quadrature(room, point: np.ndarray, wall: int, cell: int, radiosity) -> float:
-    """Irradiance of a point from a cell whose radiosity is a function of its two coordinates from 0 to 1."""
-    other = int(room.cell_wall[cell])
-    height = abs(point[other // 2] - plane(room, other))
-    low, high = room.cell_low[cell], room.cell_high[cell]
-    (a, wa), (b, wb) = (
-        graded(low[side], high[side], point[(other // 2 + 1 + side) % 3], height) for side in (0, 1)
-    )  # fmt: skip
-    sources = np.full((len(b), len(a), 3), plane(room, other))
-    sources[..., (other // 2 + 1) % 3], sources[..., (other // 2 + 2) % 3] = a, b[:, None]
-    u, v = (a - low[0]) / (high[0] - low[0]), (b - low[1]) / (high[1] - low[1])
-    return float(np.einsum("b,a,ba,ba->", wb, wa, kernel(point, wall, sources, other), radiosity(u, v[:, None])))
 
 
 def weights_of(room, nodes, rule, point: np.ndarray, wall: int, cell: int) -> np.ndarray:

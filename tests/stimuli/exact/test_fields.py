@@ -30,7 +30,7 @@ BRIGHT = scene_of(  # the brightest checks that are taken, with next to nothing 
     light={"size_xz": [0.3, 0.3]},
 )
 LOW = scene_of(sphere={"center": [0.0, -0.39, 0.0]})  # a fifth of its radius above the floor
-LARGE = scene_of(sphere={"center": [0.0, -0.2, 0.0], "radius": 0.7}, box={"check_size": 0.8})
+LARGE = scene_of(sphere={"center": [0.0, -0.25, 0.0], "radius": 0.65}, box={"check_size": 0.7})
 
 
 def fresh_solver(scene: Scene, *, seed: int = 0, form: str = "ward") -> FieldSolver:
@@ -111,16 +111,16 @@ def lit_by_itself(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setattr(fields_module, "light_on_sphere", lambda room, normals: np.zeros(len(normals)))
 
 
-@pytest.mark.parametrize(("reflectance", "error"), [(0.3, 5e-4), (0.6, 4e-3)])
+@pytest.mark.parametrize(("reflectance", "error"), [(0.3, 3e-4), (0.6, 7e-4), (0.9, 3e-3)])
 @pytest.mark.usefixtures("lit_by_itself")
 def test_with_a_white_sphere_all_orders_sum_to_a_furnace(reflectance: float, error: float) -> None:
     # Walls emit 1 - ρ of radiosity 1 but their emission counts as irradiance here, so H00 is walls to sphere of ρ E00,
     # and the white sphere gives back what it takes: the orders sum to 1 everywhere. The geometric tail is what errs,
-    # below the sphere most: 2.4e-4 and 2.3e-3 measured.
+    # below the sphere most: 1.3e-4, 3.4e-4 and 1.6e-3 measured.
     room = furnace(build_room(SHIPPED, width_over_gap=1.4), reflectance)
     diffuse = FieldSolver(room, LEVELS[0], np.random.SeedSequence(0), "ward").diffuse
-    e00, e10, e20, _ = diffuse.walls.T
-    total = e00 + e10 + e20 / (1 - diffuse.returned)
+    e00, e10, e20, e30 = diffuse.walls.T
+    total = e00 + e10 + e20 + e30 / (1 - diffuse.returned)
     assert total == pytest.approx(np.ones_like(total), abs=error)
     assert np.mean(total) == pytest.approx(1, abs=1e-4)
     assert e00.max() < 1 - 1e-3  # the sphere is a part of it everywhere
@@ -213,42 +213,44 @@ def test_light_at_the_nodes_keeps_its_flux_in_every_cell() -> None:
     total = np.pi * 1000 * 1.2 * 1.2
     normals, weights = sphere_quadrature(60)
     on_sphere = 0.25 * weights @ light_on_sphere(room, normals)
-    assert found.sum() + on_sphere == pytest.approx(
-        total, rel=1e-4
-    )  # 6 × 6 points a cell, shadow's edges; 2e-5 measured
+    # 6 × 6 points a cell, shadow's edges among them; 2e-5 measured
+    assert found.sum() + on_sphere == pytest.approx(total, rel=1e-4)
 
 
 # --- the tail ------------------------------------------------------------------------------------------------------
 
 
-def tail_error(scene: Scene, rho_d: float) -> np.ndarray:
-    """Error of the walls' irradiance, relative, when the fourth order is `returned` times the third, and no more."""
+def tail_error(scene: Scene, rho_d: float) -> tuple[np.ndarray, np.ndarray]:
+    """Irradiance of the walls when the fourth order is `returned` times the third and the last, and with all orders."""
     solver = solver_of(scene)
-    e00, e10, e20, e30 = solver.diffuse.walls.T
-    head, q = e00 + rho_d * e10 + rho_d**2 * e20 + rho_d**3 * e30, solver.diffuse.returned
-    true, last = head.copy(), solver.diffuse.walls[:, 3:]
-    for order in range(4, 12):
+    fields, q = solver.diffuse.walls, solver.diffuse.returned
+    head, last = fields @ rho_d ** np.arange(4.0), fields[:, 3:]
+    true = head.copy()
+    for order in range(4, 14):
         last = solver._exchange(solver._return(solver._on_sphere(last)))
         true += rho_d**order * last[:, 0]
-    return (head + rho_d**4 * q * e30) / true - 1
+    return head + rho_d**4 * q * fields[:, 3], true
 
 
-def test_the_geometric_tail_is_good_for_half_a_code_value() -> None:
-    # Half a code value is half a per cent of luminance and more. Measured: .18 % below the sphere, where light returns
-    # to and fro; 1e-5 elsewhere.
-    error = tail_error(SHIPPED, SHIPPED.box.light_reflectance)
-    assert np.abs(error).max() < 2.5e-3
-    assert np.median(np.abs(error)) < 5e-5
+def codes(irradiance: np.ndarray) -> np.ndarray:
+    """About the code values of white checks: gamma 2.35, and the scene's 250 cd/m² at white."""
+    return 255 * (irradiance * 0.767 / np.pi / 250) ** (1 / 2.35)
 
 
-def test_the_geometric_tail_is_good_near_the_limits_of_the_scope() -> None:
-    assert why_not_exact(LOW) is None
-    assert np.abs(tail_error(LOW, 0.767)).max() < 5e-3  # half a code value of the brightest pixels
+def test_the_tail_of_the_shipped_scene_is_good_for_a_thousandth() -> None:
+    # Measured: 1.0e-4 below the sphere, where light returns to and fro; 3e-7 in the middle.
+    found, true = tail_error(SHIPPED, 0.767)
+    assert np.abs(found / true - 1).max() < 2e-4
+    assert np.median(np.abs(found / true - 1)) < 1e-6
 
 
-def test_a_scene_whose_tail_is_not_geometric_is_out_of_scope() -> None:
-    assert np.abs(tail_error(LARGE, 0.767)).max() > 5e-3
-    assert why_not_exact(LARGE) is not None
+@pytest.mark.parametrize(("scene", "rho_d"), [(LOW, 0.767), (LARGE, 0.767), (LOW, 1.0)])
+def test_the_tail_is_good_for_half_a_code_value_near_the_limits_of_the_scope(scene: Scene, rho_d: float) -> None:
+    # Nobody sees this between seeds: all of them leave out the same. Measured: .06, .22 and .16 of a code.
+    assert why_not_exact(scene) is None
+    found, true = tail_error(scene, rho_d)
+    assert np.abs(codes(found) - codes(true)).max() < 0.5
+    assert np.median(np.abs(found / true - 1)) < 3e-5
 
 
 # --- chance --------------------------------------------------------------------------------------------------------

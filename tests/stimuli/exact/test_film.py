@@ -208,6 +208,28 @@ def test_texels_and_light_make_the_luminance_of_a_linear_field() -> None:
     assert error.max() < 0.01
 
 
+def test_walls_are_looked_up_between_four_texels() -> None:
+    """Values that grow from texel to texel tell which four were taken, and in what parts; u = (1 - cos θ) / 2."""
+    scene, texels = scene_of(camera=ASIDE, film=WIDE), 6
+    room, camera = build_room(scene, width_over_gap=5.0), build_camera(scene)
+    room = room._replace(reflectance=np.full_like(room.reflectance, np.pi))
+    film = map_film(room, camera, np.arange(40 * 24), texels=texels, lines=4, wall_side=1)
+    row, column = np.meshgrid(np.arange(texels), np.arange(texels), indexing="ij")
+    values = np.arange(len(room.cell_wall))[:, None, None] * 1000.0 + 30.0 * row + column
+    found = film.walls @ values.ravel()
+    whole = np.flatnonzero((np.diff(film.walls.indptr) == 4) & (sphere_shares(film) == 0) & (film.light == 0))
+    wall, points = Enclosure(scene).leave(np.array(scene.camera.position), rays(scene, whole, 1)[:, 0])
+    for pixel, number, point in zip(whole, wall, points, strict=True):
+        a, b = point[(number // 2 + 1) % 3], point[(number // 2 + 2) % 3]
+        cells = np.arange(*room.wall_start[number : number + 2])
+        low, high = room.cell_low[cells], room.cell_high[cells]
+        cell = int(cells[((low <= [a, b]) & ([a, b] < high)).all(1)][0])
+        u = ([a, b] - room.cell_low[cell]) / (room.cell_high[cell] - room.cell_low[cell])
+        place = np.clip(np.arccos(1 - 2 * u) * texels / np.pi - 0.5, 0, texels - 1)
+        assert found[pixel] == pytest.approx(1000 * cell + 30 * place[1] + place[0], abs=1e-6)
+    assert len(whole) > 300
+
+
 @pytest.mark.parametrize("view", ["aside", "close"])
 def test_sphere_samples_average_what_the_pixel_sees_of_the_sphere(view: str) -> None:
     """A texture that is linear in the normal, by supersampling; edges, rim and inside of the outline."""

@@ -128,6 +128,20 @@ def test_a_uniform_room_shows_the_albedo_at_every_incidence(view, alpha: float, 
         assert found.std() < (0.08 if cut else 5e-3) * expected
 
 
+def test_few_half_vectors_are_noisy_but_not_biased(view) -> None:
+    """Thirteen a point, the mean of some thousand points, where the weights vary a lot."""
+    _, room, camera = view
+    room, alpha, theta = without_light(room), 0.2, math.radians(55)
+    ones = np.ones((len(room.cell_wall), 2, 2, 1))
+    angle = np.linspace(0, 2 * np.pi, 40, endpoint=False)
+    tables = [made(room, camera, ones, seed=seed, alpha=alpha, form="duer2006", samples=13) for seed in range(24)]
+    means = np.array([looked_up(one, theta * np.cos(angle), theta * np.sin(angle)).mean() for one in tables])
+    error = means.std(ddof=1) / math.sqrt(len(means))
+    expected = reflected_share(theta, alpha, "duer2006", 250_000)
+    assert error < 1e-3
+    assert abs(means.mean() - expected) < 4 * error  # t with 23 degrees of freedom: p = 6e-4
+
+
 @pytest.mark.parametrize(("spacing", "error"), [(0.52, 1e-3), (0.42, 3e-4), (0.3, 3e-5)])
 @pytest.mark.parametrize("form", FORMS)
 def test_the_light_comes_back_from_the_table_without_noise(view, spacing: float, error: float, form: str) -> None:

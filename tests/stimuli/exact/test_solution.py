@@ -143,17 +143,28 @@ class FixedPoint:
         return walls + rho_d * diffuse + rho_s * mirrored
 
 
+# For each paint, what the series may miss: of the worst pixel, and on average. Left out are returns to the sphere
+# beyond the fourth order; beyond the second they are shared between walls in a fixed ratio. It grows with the part q of
+# the sphere's light that returns to it. A mirror's second meetings take an eighth of the samples: noise, of (0, 1).
 SERIES = {
-    # What the series leaves out are returns to the sphere beyond the fourth order, q³ of the light with q = .06, and
-    # how the third order is shared: 1.6e-4 for the study's brightest paint.
-    "shipped": (
+    "shipped, q = .07": (
         {},
-        {(0.03, 0.099): 2e-5, (0.767, 0.099): 2e-4, (1.0, 0.0): 3e-4, (0.0, 1.0): 1.5e-3, (0.5, 0.5): 5e-4},
+        {
+            (0.03, 0.099): (2e-5, 2e-6),
+            (0.767, 0.099): (2e-4, 1.5e-5),
+            (1.0, 0.0): (8e-5, 6e-6),
+            (0.0, 1.0): (1.5e-3, 6e-5),
+            (0.5, 0.5): (5e-4, 5e-5),
+        },
     ),
-    # About the brightest room in scope, q = .13. A mirror's second meetings take an eighth of the samples: noise.
-    "bright": (
+    "about the brightest in scope, q = .14": (
         {"dark_reflectance": 0.4, "light_reflectance": 0.9},
-        {(0.767, 0.099): 1.2e-3, (0.0, 1.0): 3e-3, (0.5, 0.5): 2.5e-3},
+        {
+            (0.767, 0.099): (1e-3, 2e-4),
+            (1.0, 0.0): (8e-4, 1.5e-4),
+            (0.0, 1.0): (2.5e-3, 3e-4),
+            (0.5, 0.5): (2.5e-3, 5e-4),
+        },
     ),
 }
 
@@ -166,11 +177,12 @@ def test_the_series_is_complete(room: str) -> None:
     scene, alpha = scene_of(**{**ASKEW, "box": {"check_size": 1.25, **changes}}), 0.2
     level = dataclasses.replace(COARSE, lobe_samples=2048, **TABLES)
     series, truth = solved(scene, [alpha], level=level), FixedPoint(scene, level, 3, alpha)
-    for paint, tolerance in tolerances.items():
+    for paint, (of_worst, on_average) in tolerances.items():
         expected = truth.image(*paint)
         error = np.abs(image(series, *paint, alpha) - expected)
         # Of each pixel's luminance; where that is black, of a hundredth of the mean.
-        assert (error / (expected + 0.01 * expected.mean())).max() < tolerance, paint
+        assert (error / (expected + 0.01 * expected.mean())).max() < of_worst, paint
+        assert error.mean() < on_average * expected.mean(), paint
 
 
 def mirror_image(coefficients: np.ndarray, scene: Scene) -> np.ndarray:
