@@ -111,12 +111,12 @@ def lit_by_itself(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setattr(fields_module, "light_on_sphere", lambda room, normals: np.zeros(len(normals)))
 
 
-@pytest.mark.parametrize(("reflectance", "error"), [(0.3, 3e-4), (0.6, 7e-4), (0.9, 3e-3)])
+@pytest.mark.parametrize(("reflectance", "error"), [(0.3, 3e-4), (0.9, 3e-3)])
 @pytest.mark.usefixtures("lit_by_itself")
 def test_with_a_white_sphere_all_orders_sum_to_a_furnace(reflectance: float, error: float) -> None:
     # Walls emit 1 - ρ of radiosity 1 but their emission counts as irradiance here, so H00 is walls to sphere of ρ E00,
     # and the white sphere gives back what it takes: the orders sum to 1 everywhere. The geometric tail is what errs,
-    # below the sphere most: 1.3e-4, 3.4e-4 and 1.6e-3 measured.
+    # below the sphere most: 1.3e-4 and 1.6e-3 measured.
     room = furnace(build_room(SHIPPED, width_over_gap=1.4), reflectance)
     diffuse = FieldSolver(room, LEVELS[0], np.random.SeedSequence(0), "ward").diffuse
     e00, e10, e20, e30 = diffuse.walls.T
