@@ -2,8 +2,8 @@
 
 The lobe is a Gaussian of the half vector, zero to a display beyond a few α. Its reach about the mirrored direction is a
 cone, whose shadow on the ceiling bounds a rectangle of the light for Gauss–Legendre's rule. Towards grazing the lobe is
-narrower across the plane of incidence than along it, by the cosine of incidence, and the rule takes more points; beyond
-85°, in the last half per cent of the disc's radius, they no longer suffice for a narrow lobe.
+narrower across the plane of incidence than along it, by the cosine of incidence, and the rule takes more points. Up
+to 80° it errs by .4 % at most; beyond about 83° they no longer suffice for a narrow lobe: 9 % at 85°.
 """
 
 import math
