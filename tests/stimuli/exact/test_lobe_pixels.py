@@ -237,7 +237,7 @@ def test_noise_falls_with_samples(seen) -> None:
         return float(np.sqrt(runs.var(axis=0, ddof=1).mean()))
 
     # Four for random numbers; an evenly spread sequence gains at least that on edges and more elsewhere.
-    assert noise(256) / noise(4096) > 4
+    assert noise(128) / noise(2048) > 4
 
 
 def test_more_of_a_pixels_samples_do_not_shift_it(seen) -> None:

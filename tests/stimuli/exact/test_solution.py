@@ -51,16 +51,15 @@ def image(coefficients: dict[float | None, np.ndarray], rho_d: float, rho_s: flo
 
 
 @pytest.mark.usefixtures("small_films")
-@pytest.mark.parametrize("threads", ["1", "2", "3"])
-def test_same_bits_for_any_number_of_threads_and_any_company(monkeypatch: pytest.MonkeyPatch, threads: str) -> None:
+def test_same_bits_for_any_number_of_threads_and_any_company(monkeypatch: pytest.MonkeyPatch) -> None:
     scene, alphas = scene_of(**{**ASKEW, "box": {"check_size": 0.5}}), [0.002, 0.1, 0.25]
     monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
     together = solved(scene, alphas)
     assert list(together) == [None, *alphas]
-    monkeypatch.setenv("NUMBA_NUM_THREADS", threads)
-    for company in ([0.1], [0.25, 0.002, 0.1]):
+    for threads, company in (("1", [0.1]), ("3", [0.25, 0.002, 0.1]), ("2", [0.002, 0.05])):
+        monkeypatch.setenv("NUMBA_NUM_THREADS", threads)
         again = solved(scene, company)
-        for alpha in (None, *company):
+        for alpha in {None, *company} & set(together):
             np.testing.assert_array_equal(again[alpha], together[alpha])
 
 
