@@ -165,7 +165,7 @@ def _cut_line(
     for probe in range(1, PROBES + 1):
         x = base + probe / PROBES
         found = _identity_across(box, camera, x, along, by_rows)
-        if found != name:
+        while found != name and n < len(pieces):
             low, high = previous, x
             for _ in range(BISECTIONS):
                 half = 0.5 * (low + high)
@@ -173,9 +173,12 @@ def _cut_line(
                     low = half
                 else:
                     high = half
-            cuts[n], pieces[n] = 0.5 * (low + high), found
+            # What begins here may end before the next probe.
+            name = _identity_across(box, camera, high, along, by_rows)
+            cuts[n], pieces[n] = 0.5 * (low + high), name
             n += 1
-        previous, name = x, found
+            previous = high
+        previous = x
     cuts[n] = base + 1.0
     return n
 
@@ -198,7 +201,7 @@ def _edge_pixel(
 ) -> tuple[int, int, float]:  # fmt: skip
     """Sample a pixel with an edge in it; where its wall and sphere samples end, and the light's share."""
     box, grid, reflectance = room.box, room.grid, room.reflectance
-    cuts, pieces = np.empty(PROBES + 2), np.empty(PROBES + 1, np.int64)
+    cuts, pieces = np.empty(2 * PROBES + 2), np.empty(2 * PROBES + 1, np.int64)
     base, other = (row, column) if by_rows else (column, row)
     lit = 0.0
     for line in range(lines):

@@ -77,12 +77,12 @@ LEVELS = (
     Level(
         width_over_gap=1.1, nodes=4, edge_points=9, light_lines=130, cone_rays=16384, lobe_samples=256, sphere_rows=40,
         texels=15, patch_texels=9, sphere_texture_rows=208, edge_passes=3, table_spacing=0.46, table_samples=610,
-        light_points=18, lines=17, wall_side=2, sphere_side=3, pixel_samples=1024,
+        light_points=18, lines=17, wall_side=2, sphere_side=3, pixel_samples=640,
     ),
     Level(
         width_over_gap=1.6, nodes=5, edge_points=11, light_lines=180, cone_rays=32768, lobe_samples=512, sphere_rows=48,
         texels=18, patch_texels=11, sphere_texture_rows=256, edge_passes=3, table_spacing=0.42, table_samples=987,
-        light_points=20, lines=24, wall_side=1, sphere_side=2, pixel_samples=2048,
+        light_points=20, lines=24, wall_side=1, sphere_side=2, pixel_samples=1280,
     ),
     Level(
         width_over_gap=0.7, nodes=4, edge_points=13, light_lines=250, cone_rays=65536, lobe_samples=1024,

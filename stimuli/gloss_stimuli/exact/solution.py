@@ -20,7 +20,7 @@ from gloss_stimuli.exact.lobe_light import light_in_pixels
 from gloss_stimuli.exact.lobe_pixels import radiance_of_pixels
 from gloss_stimuli.exact.lobe_table import look_up, make_table, table_points
 from gloss_stimuli.exact.room import Room, build_room
-from gloss_stimuli.exact.textures import patch_texture, sphere_texture, wall_texture
+from gloss_stimuli.exact.textures import patch_texture, refined, sphere_texture, wall_texture
 from gloss_stimuli.scene import Scene
 
 __all__ = ["DIFFUSE_EXPONENTS", "SPECULAR_EXPONENTS", "solve"]
@@ -32,6 +32,8 @@ SPECULAR_EXPONENTS = ((0, 1), (1, 1), (0, 2), (2, 1), (1, 2), (0, 3))
 SMOOTH_LIGHT = 0.5
 # Smaller films are solved on one this wide or high, and averaged: many edges may run through one of their pixels.
 SMALLEST_FILM = 384
+# Wall textures are splined to this many times their texels before pixels look them up linearly.
+REFINEMENT = 3
 # Pixels mapped, and roughnesses solved, at once: they bound memory.
 BAND_PIXELS = 1 << 18
 BATCH = 12
@@ -103,7 +105,7 @@ def _map_films(room: Room, camera: Camera, level: Level) -> list[tuple[NDArray[n
 
 def _mapped(room: Room, camera: Camera, level: Level, pixels: NDArray[np.int64]) -> FilmMap:
     return map_film(
-        room, camera, pixels, texels=level.texels, lines=level.lines, wall_side=level.wall_side,
+        room, camera, pixels, texels=REFINEMENT * level.texels, lines=level.lines, wall_side=level.wall_side,
         sphere_side=level.sphere_side,
     )  # fmt: skip
 
@@ -126,7 +128,7 @@ class _View:
         q = fields.returned
         rows = []
         for _, film in self.films:
-            walls = (film.walls @ _flat(texture)).T
+            walls = _looked_up(film, texture)
             walls[0] += film.light * self.room.box.light_luminance
             sphere = sphere_irradiance(self.camera, film, on_sphere).T / np.pi
             rows.append(
@@ -154,7 +156,7 @@ class _View:
         q_d, q_s = self.solver.diffuse.returned, fields.returned
         rows = []
         for (_, film), radiance in zip(self.films, mirrored, strict=True):
-            walls = (film.walls @ _flat(texture)).T
+            walls = _looked_up(film, texture)
             sphere = sphere_irradiance(camera, film, on_sphere).T / np.pi
             s00, s10, s20, s01, s11, s02 = radiance.T
             rows.append(
@@ -205,8 +207,11 @@ def _averaged(image: NDArray[np.float32], scene: Scene, finer: int) -> NDArray[n
     return averaged.reshape(len(image), -1)
 
 
-def _flat(texture: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.ascontiguousarray(texture).reshape(-1, texture.shape[-1])
+def _looked_up(film: FilmMap, texture: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Luminance of the walls in each pixel, shape (K, P), from their irradiance at the texels."""
+    fine = refined(texture, REFINEMENT)
+    found: NDArray[np.float64] = (film.walls @ fine.reshape(-1, fine.shape[-1])).T
+    return found
 
 
 def _image(bands: list[list[NDArray[np.float64]]]) -> NDArray[np.float32]:

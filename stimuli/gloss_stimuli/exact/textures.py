@@ -23,7 +23,7 @@ from gloss_stimuli.exact.nodes import Nodes, wall_points
 from gloss_stimuli.exact.room import Box, Room, cell_at, leave_box
 from gloss_stimuli.exact.sphere import sphere_grid, walls_to_sphere
 
-__all__ = ["add_radiance", "patch_texture", "sphere_texture", "texel_abscissae", "texel_at", "wall_texture"]
+__all__ = ["add_radiance", "patch_texture", "refined", "sphere_texture", "texel_abscissae", "texel_at", "wall_texture"]
 
 # Within this many widths of an edge the kink of the cells across it matters.
 EDGE_WIDTHS = 0.5
@@ -159,6 +159,22 @@ def _edge_pass(
                         lower = (1 - fa) * missed[cell, b, a, q] + fa * missed[cell, b, a + 1, q]
                         upper = (1 - fa) * missed[cell, b + 1, a, q] + fa * missed[cell, b + 1, a + 1, q]
                         out[i, q] += weight * ((1 - fb) * lower + fb * upper)
+
+
+def refined(texture: NDArray[np.float64], factor: int) -> NDArray[np.float64]:
+    """The same texture on `factor` times as many texels along each side of a cell, shape (C, b, a, K).
+
+    As a function of θ a field is even about both edges of a cell, so cubic splines through the mirrored texels need no
+    end conditions. Looked up linearly, the texture itself would be off by its curvature, and alike at every level.
+    """
+    count = texture.shape[1]
+    reach = min(4, count)
+    places = np.arange(-reach, count + reach)
+    # Mirrored: the texel before the first is the first itself, since texels lie at half steps of θ from the edges.
+    mirror = np.where(places < 0, -1 - places, np.where(places >= count, 2 * count - 1 - places, places))
+    fine = (np.arange(factor * count) + 0.5) / factor - 0.5
+    weights = make_interp_spline(places, np.eye(count)[mirror], k=3)(fine)
+    return np.einsum("bj,ai,cjik->cbak", weights, weights, texture, optimize=True)
 
 
 def patch_texture(room: Room, texture: NDArray[np.float64], count: int) -> NDArray[np.float64]:

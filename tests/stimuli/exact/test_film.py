@@ -132,14 +132,14 @@ def edge_pixels(film: FilmMap) -> np.ndarray:
     return np.flatnonzero((walls > 1) | (~np.isin(spheres, (0, 4, 64))))
 
 
-def compared_with_supersampling(view: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def compared_with_supersampling(view: str, *, across: int = 64) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Of edge pixels: sphere, light and mean paint as mapped and as supersampled, (3, P); surfaces in them, (P,)."""
     scene = scene_of(camera=VIEWS[view], film=WIDE)
     film = mapped(scene)
     pixels = edge_pixels(film)
     pixels = np.random.default_rng(3).choice(pixels, min(150, len(pixels)), replace=False)
     enclosure, eye = Enclosure(scene), np.array(scene.camera.position)
-    flat = rays(scene, pixels, 64).reshape(-1, 3)
+    flat = rays(scene, pixels, across).reshape(-1, 3)
     met, _ = enclosure.meets_sphere(np.broadcast_to(eye, flat.shape), flat)
     wall, points = enclosure.leave(eye, flat)
     lit = ~met & enclosure.in_light(wall, points)
@@ -164,6 +164,22 @@ def test_pixels_with_one_edge_agree_with_supersampling(view: str) -> None:
     assert ((expected[0] > 0.02) & (expected[0] < 0.98)).sum() > 3
     if view == "upwards":
         assert ((expected[1] > 0.02) & (expected[1] < 0.98)).sum() > 5
+
+
+def test_pixels_with_a_corner_agree_with_supersampling() -> None:
+    """Corners of checks, and the sphere's outline across the edge of a check."""
+    for view in VIEWS:
+        found, expected, surfaces = compared_with_supersampling(view, across=128)
+        corner = surfaces > 2
+        assert corner.sum() > 10
+        np.testing.assert_allclose(found[:, corner], expected[:, corner], atol=0.005, err_msg=view)  # lines, as above
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_samples_of_the_sphere_lie_on_it(view: str) -> None:
+    film = mapped(scene_of(camera=VIEWS[view], film=WIDE))
+    # One that misses it is put on the outline itself.
+    assert np.hypot(film.x, film.y).max() < math.pi / 2 - 1e-9
 
 
 def test_a_corner_of_checks_in_the_middle_of_a_pixel() -> None:

@@ -15,7 +15,7 @@ from gloss_stimuli.exact.lobe import FORMS
 from gloss_stimuli.exact.lobe_table import look_up, make_table
 from gloss_stimuli.exact.room import build_room
 from gloss_stimuli.exact.specular import light_by_sphere, walls_by_sphere
-from gloss_stimuli.exact.textures import patch_texture, sphere_texture, wall_texture
+from gloss_stimuli.exact.textures import patch_texture, refined, sphere_texture, wall_texture
 from gloss_stimuli.scene import Scene
 from tests.stimuli.exact.rooms import scene_of
 
@@ -103,7 +103,8 @@ class FixedPoint:
         self.solver = FieldSolver(self.room, level, fields_seed, self.form)
         self.shifts = np.random.default_rng(self.solver._lobe_seed).random((len(self.solver.nodes.points), 4))
         self.film = map_film(
-            self.room, self.camera, np.arange(scene.film.width * scene.film.height), texels=level.texels,
+            self.room, self.camera, np.arange(scene.film.width * scene.film.height),
+            texels=solution.REFINEMENT * level.texels,
             lines=level.lines, wall_side=level.wall_side, sphere_side=level.sphere_side,
         )  # fmt: skip
 
@@ -130,7 +131,7 @@ class FixedPoint:
         solver, room, level, film = self.solver, self.room, self.level, self.film
         field = self.irradiance(rho_d, rho_s)
         texture = wall_texture(room, solver.nodes, level, field, solver.light_at_nodes)
-        walls = film.walls @ texture.reshape(-1) + film.light * room.box.light_luminance
+        walls = film.walls @ refined(texture, solution.REFINEMENT).reshape(-1) + film.light * room.box.light_luminance
         on_sphere = sphere_texture(room, solver.nodes, level, field, with_light=True)
         diffuse = sphere_irradiance(self.camera, film, on_sphere)[:, 0] / np.pi
         table = make_table(

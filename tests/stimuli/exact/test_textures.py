@@ -20,6 +20,7 @@ from gloss_stimuli.exact.sphere import sphere_grid, walls_to_sphere
 from gloss_stimuli.exact.textures import (
     add_radiance,
     patch_texture,
+    refined,
     sphere_texture,
     texel_abscissae,
     texel_at,
@@ -322,3 +323,22 @@ def test_sphere_sees_the_walls_textures() -> None:
         expected = (enclosure.reflectance(wall, points)[:, None] * read(wall, points)).mean(0)
         # 2^17 directions err by 1e-3 at most, as another seed tells; cells at the horizon by 6e-4 at most.
         assert texture[row, column] == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.parametrize("factor", [1, 3])
+def test_a_refined_texture_is_the_field_between_the_texels(factor: int) -> None:
+    count, u = 15, texel_abscissae(15 * factor)
+
+    def field(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return 1 + u - 2 * v**2 + u * v + np.exp(v)
+
+    coarse = texel_abscissae(count)
+    texture = field(coarse, coarse[:, None])[None, ..., None] * [1.0, -3.0]
+    found = refined(texture, factor)
+    assert found.shape == (1, count * factor, count * factor, 2)
+    # A cubic spline at a spacing of h = π / 15 errs by 5 h⁴ / 384 = 3e-5 of the fourth derivative in θ, about one here.
+    assert found[0, ..., 0] == pytest.approx(field(u, u[:, None]), abs=1e-4)
+    assert found[..., 1] == pytest.approx(-3 * found[..., 0], rel=1e-12)  # rounding
+    # Linear look-up of the texels themselves would err by h² / 8 = 5e-3.
+    if factor == 1:
+        assert found == pytest.approx(texture, abs=1e-12)
