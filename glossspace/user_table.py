@@ -14,10 +14,13 @@ __all__ = ["read_user_table"]
 _SPREADSHEET_HINT = "Save it as CSV with commas, in UTF-8."
 
 
-def read_user_table(path: str | Path, *, what: str, columns: Sequence[str]) -> pd.DataFrame:
+def read_user_table(
+    path: str | Path, *, what: str, columns: Sequence[str], nameless_first: bool = False
+) -> pd.DataFrame:
     """Read a CSV file that has at least `columns`, in any order; `what` names the kind of table in error messages.
 
-    Spaces round a cell and blank lines do not count, and a byte order mark is skipped.
+    Spaces round a cell and blank lines do not count, and a byte order mark is skipped. The first column may be
+    `nameless_first`, as the row names of a matrix are.
 
     Returns
     -------
@@ -51,7 +54,7 @@ def read_user_table(path: str | Path, *, what: str, columns: Sequence[str]) -> p
         raise GlossError(f"The {what} '{path}' is not text in UTF-8. {_SPREADSHEET_HINT}") from None
     if "\0" in text:
         raise GlossError(f"The {what} '{path}' is no text file. {_SPREADSHEET_HINT}")
-    return _framed(_lines(text, path, what), columns, f"The {what} '{path}'")
+    return _framed(_lines(text, path, what), columns, f"The {what} '{path}'", nameless_first)
 
 
 def _lines(text: str, path: Path, what: str) -> list[tuple[int, list[str]]]:
@@ -62,16 +65,18 @@ def _lines(text: str, path: Path, what: str) -> list[tuple[int, list[str]]]:
         raise GlossError(f"The {what} '{path}', line {reader.line_num}, is no CSV: {error}.") from None
 
 
-def _framed(lines: list[tuple[int, list[str]]], columns: Sequence[str], table: str) -> pd.DataFrame:
+def _framed(
+    lines: list[tuple[int, list[str]]], columns: Sequence[str], table: str, nameless_first: bool
+) -> pd.DataFrame:
     expected = ", ".join(columns)
     if not lines:
-        raise GlossError(f"{table} is empty. Its first line must name the columns {expected}.")
+        raise GlossError(f"{table} is empty. Its first line must name the columns{expected and f' {expected}'}.")
     (_, header), *rows = lines
     missing = [column for column in columns if column not in header]
     if missing:
         hint = f" {_SPREADSHEET_HINT}" if len(header) == 1 else ""
         raise GlossError(f"{table} lacks the column {missing[0]!r}. Expected {expected}; found {_short(header)}.{hint}")
-    if "" in header:
+    if "" in header[1:] or (header[0] == "" and not nameless_first):
         raise GlossError(f"{table} has a column without a name, the {header.index('') + 1}. of {len(header)}. Name it.")
     repeated = [name for name in header if header.count(name) > 1]
     if repeated:

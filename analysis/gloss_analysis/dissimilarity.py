@@ -1,18 +1,18 @@
 """Dissimilarities of pairs, judged by one or more participants: the input of every scaling."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from typing import Literal, TypeAlias
 
 import numpy as np
-import pandas as pd
 
-from glossspace.dataset import read_dissimilarities
-from glossspace.errors import GlossError
-from glossspace.user_table import read_user_table
-
-__all__ = ["COLUMNS", "Dissimilarities", "from_table", "read_table"]
+__all__ = ["COLUMNS", "REPEATS", "Dissimilarities", "Repeats", "Trials"]
 
 COLUMNS = ("participant_id", "stimulus_a", "stimulus_b", "dissimilarity")
+"""Of a table of single judgements."""
+
+Repeats: TypeAlias = Literal["weighted", "mean", "median"]
+REPEATS: tuple[Repeats, ...] = ("weighted", "mean", "median")
 
 
 @dataclass(frozen=True)
@@ -25,94 +25,103 @@ class Dissimilarities:
     participants : tuple of str, length m
     values : ndarray, shape (m, n (n - 1) / 2)
         The upper triangle row by row, one line a participant; NaN where a pair was not judged. Zero is data.
+    pair_weights : ndarray, shape (m, n (n - 1) / 2), optional
+        How much each judgement counts, >= 0; all alike by default. One of weight 0 counts as not judged.
+    source_weights : ndarray, shape (m,), optional
+        How much each participant counts in the mean over participants, >= 0; all alike by default.
+    trials : Trials, optional
+        The single judgements behind the values, where they are known.
     """
 
     stimuli: tuple[str, ...]
     participants: tuple[str, ...]
     values: np.ndarray
+    pair_weights: np.ndarray | None = None
+    source_weights: np.ndarray | None = None
+    trials: "Trials | None" = None
 
     @property
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """First and second stimulus of each pair, as indices into `stimuli`."""
         return np.triu_indices(len(self.stimuli), 1)
 
-    def of(self, participants: tuple[str, ...]) -> "Dissimilarities":
-        """Return the judgements of some of the participants alone."""
-        rows = [self.participants.index(name) for name in participants]
-        return Dissimilarities(self.stimuli, participants, self.values[rows])
+    @property
+    def weights(self) -> np.ndarray:
+        """Weight of every judgement, shape (m, n (n - 1) / 2)."""
+        return np.ones(self.values.shape) if self.pair_weights is None else self.pair_weights
+
+    @property
+    def source_weights_or_ones(self) -> np.ndarray:
+        """Weight of every participant, shape (m,)."""
+        return np.ones(len(self.participants)) if self.source_weights is None else self.source_weights
+
+    @property
+    def judged(self) -> np.ndarray:
+        """Which judgements count, shape (m, n (n - 1) / 2)."""
+        return ~np.isnan(self.values) & (self.weights > 0)
+
+    def of(self, participants: Sequence[str]) -> "Dissimilarities":
+        """Return the judgements of some of the participants alone, in the given order."""
+        return self.take([self.participants.index(name) for name in participants])
+
+    def take(self, rows: Sequence[int] | np.ndarray, names: Sequence[str] | None = None) -> "Dissimilarities":
+        """Return the participants in the given rows, which may repeat; `names` tells repeated ones apart."""
+        chosen = np.asarray(rows, dtype=int)
+        return Dissimilarities(
+            self.stimuli,
+            tuple(names) if names is not None else tuple(self.participants[k] for k in chosen),
+            self.values[chosen],
+            None if self.pair_weights is None else self.pair_weights[chosen],
+            None if self.source_weights is None else self.source_weights[chosen],
+            None if self.trials is None else self.trials.of_sources(chosen),
+        )
 
 
-def from_table(table: pd.DataFrame, *, source: str = "the table") -> Dissimilarities:
-    """Arrange a long table as condensed triangles.
+@dataclass(frozen=True)
+class Trials:
+    """Single judgements, of pairs that may have been judged several times.
 
-    Parameters
+    Attributes
     ----------
-    table : DataFrame
-        Columns `participant_id`, `stimulus_a`, `stimulus_b`, `dissimilarity`. A pair that was not judged is absent or
-        NaN. (a, b) and (b, a) are repeats of one pair and enter by their mean; identical pairs (a, a) are left out,
-        since a distance to oneself is 0 in every configuration.
-    source : str
-        What to call the table in an error message.
-
-    Returns
-    -------
-    Dissimilarities
-        Stimuli and participants in the order of their first appearance.
-
-    Raises
-    ------
-    GlossError
-        A column is missing, a value is negative, infinite or not a number, or fewer than three stimuli were judged.
+    source, pair : ndarray of int, shape (n_trials,)
+        Which participant judged which condensed pair.
+    value, weight : ndarray, shape (n_trials,)
+        The dissimilarity, and how much it counts, > 0.
     """
-    missing = [column for column in COLUMNS if column not in table.columns]
-    if missing:
-        raise GlossError(
-            f"{source} lacks the column {missing[0]!r}. Expected the columns {', '.join(COLUMNS)}; "
-            f"found {', '.join(map(str, table.columns))}."
-        )
-    values = pd.to_numeric(table["dissimilarity"], errors="coerce")
-    unreadable = values.isna() & table["dissimilarity"].notna() & (table["dissimilarity"].astype(str).str.strip() != "")
-    impossible = unreadable | ((values < 0) | np.isinf(values))
-    if impossible.any():
-        row = int(np.argmax(impossible))
-        raise GlossError(
-            f"{source}, {_place(table, row)}: dissimilarity {table['dissimilarity'].iloc[row]!r} is not allowed. "
-            "Allowed: a finite number >= 0, or an empty cell for a pair that was not judged."
-        )
-    labels = table[["participant_id", "stimulus_a", "stimulus_b"]]
-    if labels.isna().any(axis=None):
-        row = int(np.argmax(labels.isna().any(axis=1)))
-        raise GlossError(f"{source}, {_place(table, row)}: a participant or stimulus has no name. Fill the cell.")
 
-    tidy = labels.astype(str).assign(dissimilarity=values)
-    participants = tuple(dict.fromkeys(tidy["participant_id"]))
-    stimuli = tuple(dict.fromkeys(tidy[["stimulus_a", "stimulus_b"]].to_numpy().ravel()))
-    n = len(stimuli)
-    if n < 3:
-        count = {0: "no stimuli", 1: "1 stimulus"}.get(n, f"{n} stimuli")
-        raise GlossError(f"{source} holds {count}. Scaling needs at least 3.")
-    first = tidy["stimulus_a"].map({name: index for index, name in enumerate(stimuli)}).to_numpy(dtype=int)
-    second = tidy["stimulus_b"].map({name: index for index, name in enumerate(stimuli)}).to_numpy(dtype=int)
-    low, high = np.minimum(first, second), np.maximum(first, second)
-    judged = tidy.assign(pair=low * n - low * (low + 1) // 2 + high - low - 1)[low != high]
-    means = judged.pivot_table(index="participant_id", columns="pair", values="dissimilarity", aggfunc="mean")
-    condensed = means.reindex(index=list(participants), columns=range(n * (n - 1) // 2))
-    return Dissimilarities(stimuli, participants, condensed.to_numpy(dtype=float))
+    source: np.ndarray
+    pair: np.ndarray
+    value: np.ndarray
+    weight: np.ndarray
 
+    def of_sources(self, rows: np.ndarray) -> "Trials":
+        """Return the trials of the participants in the given rows, which may repeat, renumbered."""
+        chosen = [np.flatnonzero(self.source == k) for k in rows]
+        source = np.repeat(np.arange(len(rows)), [len(one) for one in chosen])
+        index = np.concatenate(chosen) if chosen else np.empty(0, dtype=int)
+        return Trials(source, self.pair[index], self.value[index], self.weight[index])
 
-def read_table(path: str | Path) -> Dissimilarities:
-    """Read dissimilarities from a dataset folder or from a long CSV file of any other study.
+    def summarised(self, n_sources: int, n_pairs: int, repeats: Repeats) -> tuple[np.ndarray, np.ndarray]:
+        """Value and weight of every participant and pair, both of shape (n_sources, n_pairs).
 
-    Raises
-    ------
-    GlossError
-        The path does not exist, is not readable, or its content is wrong (see `from_table`).
-    """
-    path = Path(path)
-    if path.is_dir():
-        return from_table(read_dissimilarities(path), source=f"The dataset '{path}'")
-    return from_table(read_user_table(path, what="dissimilarity table", columns=COLUMNS), source=f"'{path}'")
-
-
-def _place(table: pd.DataFrame, row: int) -> str:
-    return f"line {table.index[row]}" if table.index.name == "line" else f"row {row + 1}"
+        The value is the mean, weighted if trials are, or the median; NaN where there is no trial. The weight is the sum
+        over trials ("weighted") or their mean ("mean", "median"); 0 where there is no trial.
+        """
+        n = n_sources * n_pairs
+        cell = self.source * n_pairs + self.pair
+        count = np.bincount(cell, minlength=n)
+        total = np.bincount(cell, weights=self.weight, minlength=n)
+        values = np.full(n, np.nan)
+        seen = count > 0
+        if repeats == "median":
+            order = np.lexsort((self.value, cell))
+            last, below = np.cumsum(count[seen]), (count[seen] - 1) // 2
+            middle = np.column_stack([last - count[seen] + below, last - 1 - below])
+            values[seen] = np.sum(self.value[order][middle] / 2, axis=1)
+        else:
+            # Divided before they are added, so that even the largest numbers do not overflow.
+            share = self.value * (self.weight / total[cell])
+            values[seen] = np.bincount(cell, weights=share, minlength=n)[seen]
+        if repeats != "weighted":
+            total = np.divide(total, count, out=np.zeros(n), where=seen)
+        return values.reshape(n_sources, n_pairs), total.reshape(n_sources, n_pairs)
