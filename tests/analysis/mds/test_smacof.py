@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gloss_analysis.smacof import smacof
+from gloss_analysis.mds.smacof import smacof
 from glossspace.errors import GlossError
 from tests.analysis.studies import named
 

@@ -11,11 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.distance import squareform
 
-from gloss_analysis.disparities import Level, Ties, disparities
 from gloss_analysis.dissimilarity import Dissimilarities
-from gloss_analysis.judgeability import check_scalable, informs
-from gloss_analysis.mds import Model
-from gloss_analysis.objective import make_problem, mean_square_stress, source_distances
+from gloss_analysis.mds.diagnostics import check_scalable, informs
+from gloss_analysis.mds.disparities import Level, Ties, disparities
+from gloss_analysis.mds.objective import mean_square_stress, source_distances
+from gloss_analysis.mds.problem import make_problem
+from gloss_analysis.mds.solution import Model
 from glossspace.errors import GlossError
 
 __all__ = ["SmacofResult", "smacof"]
@@ -58,7 +59,7 @@ def smacof(
     start : ndarray, shape (n, n_dims)
         The first configuration; its points differ in every dimension.
     model, level, ties
-        See `gloss_analysis.mds.scale`.
+        See `gloss_analysis.mds.scale`; the generalised model is left to the fast solver.
     max_steps : int
     tolerance : float
         Stop when a step lowers the mean squared Stress-1 by less than this.
@@ -72,8 +73,13 @@ def smacof(
     GlossError
         A pair was not judged, a participant's judgements say nothing about distances, or the start is not usable.
     """
-    if np.isnan(data.values).any():
-        raise GlossError("The majorization twin needs complete data. Use gloss_analysis.mds.scale for data with gaps.")
+    if np.isnan(data.values).any() or data.pair_weights is not None or data.source_weights is not None:
+        raise GlossError(
+            "The majorization twin needs complete data without weights. Use gloss_analysis.mds.scale for gaps and "
+            "weights."
+        )
+    if model == "generalised":
+        raise GlossError("The majorization twin knows the models identity and weighted. Use gloss_analysis.mds.scale.")
     check_scalable(data, level=level, ties=ties)
     if level == "ratio" and not all(informs(row, level=level, ties=ties) for row in data.values):
         raise GlossError(
@@ -86,8 +92,8 @@ def smacof(
     weights = np.ones((problem.n_sources, z.shape[1]))
     stress: list[float] = []
     while True:
-        distances = source_distances(problem, z, weights)
-        stress.append(float(np.sqrt(mean_square_stress(problem, distances))))
+        distances = source_distances(z, weights)
+        stress.append(float(np.sqrt(mean_square_stress(problem, z, weights))))
         if len(stress) > max_steps or (len(stress) > 1 and stress[-2] ** 2 - stress[-1] ** 2 < tolerance):
             break
         targets = []

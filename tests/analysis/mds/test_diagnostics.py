@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gloss_analysis.judgeability import data_warnings, informs
+from gloss_analysis.mds.diagnostics import data_warnings, informs
 from tests.analysis.studies import named
 
 

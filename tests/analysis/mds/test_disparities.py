@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 from scipy.optimize import nnls
 from sklearn.isotonic import IsotonicRegression
 
-from gloss_analysis.disparities import disparities, source_order
+from gloss_analysis.mds.disparities import disparities, source_order
 from glossspace.errors import GlossError
 
 # Projections are sums and quotients of a handful of numbers of order one: a few roundings of 1e-16.
@@ -74,7 +74,7 @@ def test_every_level_is_a_projection_onto_a_cone(d, delta, level, ties):
 @pytest.mark.parametrize(
     ("level", "ties", "message"),
     [
-        ("nominal", "primary", r"Invalid level = 'nominal'\. Allowed: 'ratio', 'interval', 'ordinal'\."),
+        ("nominal", "primary", r"Invalid level = 'nominal'\. Allowed: 'ratio', 'interval', 'spline', 'ordinal'\."),
         ("ordinal", "tertiary", r"Invalid ties = 'tertiary'\. Allowed: 'primary', 'secondary'\."),
     ],
 )
