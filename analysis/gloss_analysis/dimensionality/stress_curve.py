@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Iterable
 
-from gloss_analysis.disparities import Level, Ties
 from gloss_analysis.dissimilarity import Dissimilarities
 from gloss_analysis.mds import MdsSolution, Model, scale
+from gloss_analysis.mds.disparities import Level, Ties
 
 __all__ = ["stress_curve"]
 
@@ -16,6 +16,7 @@ def stress_curve(
     model: Model = "weighted",
     level: Level = "ordinal",
     ties: Ties = "primary",
+    conditional: bool = True,
     n_starts: int = 30,
     seed: int = 1,
     n_jobs: int = 1,
@@ -29,7 +30,7 @@ def stress_curve(
 
     Parameters
     ----------
-    data, model, level, ties, n_starts, seed, n_jobs
+    data, model, level, ties, conditional, n_starts, seed, n_jobs
         See `gloss_analysis.mds.scale`.
     dims : iterable of int
         Numbers of dimensions.
@@ -50,6 +51,7 @@ def stress_curve(
                 model=model,
                 level=level,
                 ties=ties,
+                conditional=conditional,
                 n_starts=n_starts,
                 seed=seed,
                 initial=solutions[-1:],
