@@ -1,0 +1,1 @@
+"""How firmly judgements fix a solution: bootstrap and jackknife."""
