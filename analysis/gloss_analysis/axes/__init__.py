@@ -1,0 +1,1 @@
+"""What the dimensions of a solution mean, in which conventions it is shown, and how well two solutions agree."""
