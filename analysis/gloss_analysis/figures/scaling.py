@@ -1,4 +1,4 @@
-"""Figures 3, 5 and 6 of the gloss paper, and what stands behind them: rotation cost, participants' axis ratios."""
+"""Figure 6 of the gloss paper, and what stands behind it: rotation cost, participants' axis ratios."""
 
 from typing import TYPE_CHECKING
 
@@ -7,7 +7,6 @@ import pandas as pd
 
 from gloss_analysis.confirmatory import ConfirmatoryFit
 from gloss_analysis.figures.style import BLUE, ORANGE, draw_stimuli, legend_below, new_figure, tidy
-from gloss_analysis.mds import MdsSolution
 from gloss_analysis.study import StudyAnalysis
 
 if TYPE_CHECKING:
@@ -18,20 +17,7 @@ __all__ = [
     "draw_configuration",
     "draw_identity_configuration",
     "draw_rotation_cost",
-    "draw_stress_curve",
 ]
-
-
-def draw_stress_curve(curve: tuple[MdsSolution, ...]) -> "Figure":
-    """Stress against the number of dimensions (figures 3 and 5)."""
-    figure = new_figure(4.6, 3.2)
-    axes = figure.add_subplot(xlabel="number of dimensions", ylabel="Stress-1")
-    dims = [solution.n_dims for solution in curve]
-    axes.plot(dims, [solution.stress1 for solution in curve], "o-", color=BLUE)
-    axes.set_xticks(dims)
-    axes.set_ylim(bottom=0)
-    tidy(axes)
-    return figure
 
 
 def draw_configuration(analysis: StudyAnalysis) -> "Figure":
