@@ -40,7 +40,7 @@ def compare_with_paper(analysis: StudyAnalysis, cities: CityMap) -> list[Compari
     if simulated is not None:
         true = simulated.set_index("participant_id")["ratio"].reindex(list(fit.participants)).to_numpy(dtype=float)
         ratio += f"; true geometric mean of the simulated observers {np.exp(np.nanmean(np.log(true))):.2f}"
-    stress = ", ".join(f"{solution.stress1:.3f}" for solution in analysis.curve)
+    stress = ", ".join(f"{solution.stress1:.3f}" for solution in analysis.dimensionality.curve)
     return [
         Comparison(
             "Stress, 1 to 5 dimensions",

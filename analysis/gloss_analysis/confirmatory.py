@@ -13,10 +13,11 @@ from scipy.optimize import minimize, minimize_scalar
 from scipy.stats import qmc
 from scipy.stats import t as student_t
 
-from gloss_analysis.disparities import Level, Ties
 from gloss_analysis.dissimilarity import Dissimilarities
-from gloss_analysis.judgeability import all_flat, check_scalable, data_warnings, distinguishes
-from gloss_analysis.objective import Problem, make_problem, mean_square_stress, source_distances
+from gloss_analysis.mds.diagnostics import all_flat, check_scalable, data_warnings, distinguishes
+from gloss_analysis.mds.disparities import Level, Ties
+from gloss_analysis.mds.objective import mean_square_stress, source_distances
+from gloss_analysis.mds.problem import Problem, make_problem
 from glossspace.errors import GlossError
 
 __all__ = ["AxisWeights", "ConfirmatoryFit", "confirm_axes"]
@@ -152,10 +153,10 @@ def confirm_axes(
         if not apart[~np.isnan(row)].any(axis=0).all():
             unseen.append(name)
             continue
-        one = make_problem(Dissimilarities(data.stimuli, (name,), row[np.newaxis]), level=level, ties=ties)
+        one = make_problem(data.of((name,)), level=level, ties=ties)
         participants.append(name)
         individual.append(_fit_weights(one, unit, half))
-        if all_flat(one, source_distances(one, unit, individual[-1].weights[np.newaxis] * half / half[0])):
+        if all_flat(one, source_distances(unit, individual[-1].weights[np.newaxis] * half / half[0])):
             unrelated.append(name)
     if unseen:
         remarks.append(
@@ -207,7 +208,7 @@ def _fit_weights(problem: Problem, unit: np.ndarray, extent: np.ndarray) -> Axis
 
     def loss(log_weights: np.ndarray) -> float:
         weights = np.broadcast_to(np.exp(log_weights), (problem.n_sources, n_axes))
-        return mean_square_stress(problem, source_distances(problem, unit, weights))
+        return mean_square_stress(problem, unit, weights)
 
     if n_axes == 1:
         log_weights = np.zeros(1)

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from gloss_analysis.axes import rotated_to
-from gloss_analysis.dissimilarity import Dissimilarities, read_table
+from gloss_analysis.axes.orientation import rotated_to
+from gloss_analysis.dimensionality.stress_curve import stress_curve
+from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgement_table import read_table
 from gloss_analysis.mds import MdsSolution, scale
-from gloss_analysis.stress_curve import stress_curve
 from glossspace.files import shipped_folder
 
 __all__ = ["CityMap", "ColourCircle", "city_map", "colour_circle"]

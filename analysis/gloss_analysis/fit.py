@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 
 from gloss_analysis.confirmatory import ConfirmatoryFit, confirm_axes
-from gloss_analysis.disparities import Level, Ties
 from gloss_analysis.dissimilarity import Dissimilarities
 from gloss_analysis.magnitude import AxisRegression, mean_ratings, regress_ratings
+from gloss_analysis.mds.disparities import Level, Ties
 from glossspace.errors import GlossError
 from glossspace.metric import AxisFunction, GlossSpace, contrast_gloss, distinctness
 

@@ -63,7 +63,10 @@ def write_report(analysis: StudyAnalysis, path: Path) -> None:
             cities=cities,
             axes=_axis_rows(analysis),
             participants=_participant_rows(analysis),
-            warnings=analysis.plane.warnings + analysis.fit.confirmatory.warnings,
+            advice=analysis.dimensionality.recommendation,
+            warnings=analysis.plane.warnings
+            + analysis.dimensionality.held_out.warnings
+            + analysis.fit.confirmatory.warnings,
             versions=_versions(),
             hashes=_hashes(analysis.study.folder),
         ),
@@ -85,7 +88,24 @@ def _pictures(analysis: StudyAnalysis, cities: CityMap, circle: ColourCircle) ->
             "Fig. 4: the stimuli of Experiment 1, code values of the calibrated display.",
         ),
         "stress": _svg(
-            figures.draw_stress_curve(analysis.curve), "Stress against dimensions", f"Fig. 5: stress.{simulated}"
+            figures.draw_stress_curve(
+                analysis.dimensionality.curve,
+                random=analysis.dimensionality.random,
+                permuted=analysis.dimensionality.permuted,
+                held_out=analysis.dimensionality.held_out.stress1,
+            ),
+            "Stress against dimensions",
+            f"Fig. 5: stress, beside that of random and permuted judgements and of pairs left out.{simulated}",
+        ),
+        "shepard": _svg(
+            figures.draw_shepard(analysis.plane),
+            "Judged dissimilarities against distances for every participant",
+            f"Shepard diagrams of the two-dimensional solution, with each participant's Stress-1.{simulated}",
+        ),
+        "stress_parts": _svg(
+            figures.draw_stress_per_point(analysis.plane),
+            "Part of every stimulus and participant in the stress",
+            f"Who and what the two-dimensional solution fits least.{simulated}",
         ),
         "plane": _svg(
             figures.draw_configuration(analysis),

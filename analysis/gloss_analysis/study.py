@@ -15,11 +15,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from gloss_analysis.axes import PropertyVector, matched_dimensions, property_vector, rotation_cost, turned_along
-from gloss_analysis.dissimilarity import Dissimilarities, from_table
+from gloss_analysis.axes.orientation import matched_dimensions, rotation_cost, turned_along
+from gloss_analysis.axes.property_fitting import PropertyVector, property_vector
+from gloss_analysis.dimensionality.study import DimensionalityStudy, study_dimensionality
+from gloss_analysis.dissimilarity import Dissimilarities
 from gloss_analysis.fit import GlossSpaceFit, axis_coordinates, fit_gloss_space, labelled_observers, rated_along
+from gloss_analysis.judgement_table import from_table
 from gloss_analysis.mds import MdsSolution, scale
-from gloss_analysis.stress_curve import stress_curve
 from glossspace.dataset import read_dissimilarities, read_magnitudes, read_simulated_observers, simulated_participants
 from glossspace.errors import GlossError
 from glossspace.stimulus_set import StimulusSet, read_stimulus_set
@@ -124,8 +126,8 @@ class StudyAnalysis:
     ----------
     study : Study
     seed : int
-    curve : tuple of MdsSolution
-        Weighted non-metric solutions in 1 to 5 dimensions.
+    dimensionality : DimensionalityStudy
+        Weighted non-metric solutions in 1 to 5 dimensions, beside random and permuted judgements and held-out pairs.
     plane, identity_plane : MdsSolution
         The two-dimensional solutions with and without participants' weights.
     coordinates : DataFrame
@@ -138,7 +140,7 @@ class StudyAnalysis:
 
     study: Study
     seed: int
-    curve: tuple[MdsSolution, ...]
+    dimensionality: DimensionalityStudy
     plane: MdsSolution
     identity_plane: MdsSolution
     coordinates: pd.DataFrame
@@ -190,9 +192,9 @@ def analyse_study(
     -------
     StudyAnalysis
     """
-    on_step("Stress curve, 1 to 5 dimensions")
-    curve = stress_curve(study.pairs, seed=seed, n_jobs=n_jobs)
-    plane = next(solution for solution in curve if solution.n_dims == 2)
+    on_step("Stress in 1 to 5 dimensions, beside random and permuted judgements and held-out pairs")
+    dimensionality = study_dimensionality(study.pairs, seed=seed, n_jobs=n_jobs)
+    plane = next(solution for solution in dimensionality.curve if solution.n_dims == 2)
     on_step("Common space without weights")
     identity_plane = scale(study.pairs, n_dims=2, model="identity", seed=seed, n_jobs=n_jobs)
     on_step("Weights of the axes, regression of ratings")
@@ -204,7 +206,7 @@ def analyse_study(
     return StudyAnalysis(
         study=study,
         seed=seed,
-        curve=curve,
+        dimensionality=dimensionality,
         plane=plane,
         identity_plane=identity_plane,
         coordinates=coordinates,

@@ -54,7 +54,7 @@ def reproduce(
                 "dataset": str(made.dataset),
                 "weight_d": space.weight_d,
                 "weight_d_ci95": space.weight_d_ci95,
-                "stress1": [solution.stress1 for solution in made.analysis.curve],
+                "stress1": [solution.stress1 for solution in made.analysis.dimensionality.curve],
                 "observers": "simulated",
             }
         )

@@ -8,7 +8,7 @@ import pandas as pd
 from gloss_analysis.dissimilarity import Dissimilarities
 from glossspace.metric import contrast_gloss, distinctness
 
-__all__ = ["EXPERIMENT_1", "axis_values", "judged_by", "named"]
+__all__ = ["EXPERIMENT_1", "STIMULI", "axis_values", "judged_by", "named"]
 
 EXPERIMENT_1 = pd.DataFrame(
     [
@@ -20,6 +20,9 @@ EXPERIMENT_1 = pd.DataFrame(
     columns=["stimulus", "rho_d", "rho_s", "alpha"],
 )
 """The 27 stimuli of the gloss paper's Experiment 1 (section 3.2.3.1)."""
+
+STIMULI = EXPERIMENT_1["stimulus"].tolist()[:8]
+"""Names of eight of them, for what need not be large."""
 
 
 def axis_values() -> np.ndarray:

@@ -7,67 +7,18 @@ import numpy as np
 import pytest
 
 from gloss_analysis.confirmatory import confirm_axes
-from gloss_analysis.dissimilarity import read_table
+from gloss_analysis.dimensionality.stress_curve import stress_curve
 from gloss_analysis.fit import fit_gloss_space
-from gloss_analysis.stress_curve import stress_curve
-from glossspace import cli
+from gloss_analysis.judgement_table import read_table
 from glossspace.dataset import write_session_data
 from glossspace.metric import GlossSpace
-
-from .studies import EXPERIMENT_1, judged_by
-
-STIMULI = EXPERIMENT_1["stimulus"].tolist()[:8]
-
-
-@pytest.fixture
-def gloss(capsys):
-    """Run the command in this process: give its exit code, stdout and stderr."""
-
-    def run(*words):
-        code = 0
-        try:
-            cli.main([str(word) for word in words])
-        except SystemExit as stop:
-            code = stop.code
-        return code, *capsys.readouterr()
-
-    return run
-
-
-@pytest.fixture
-def refused(gloss):
-    """Run a command that must fail as a user's mistake; give its one line."""
-
-    def run(*words):
-        code, out, err = gloss(*words, "--json")
-        assert code == 2
-        assert out == ""
-        assert err.startswith("gloss: ")
-        assert err.count("\n") == 1
-        return err
-
-    return run
-
-
-@pytest.fixture
-def pairs(tmp_path):
-    """A long CSV of three simulated participants who judged eight stimuli."""
-    data = judged_by([1.4, 1.8, 2.2], exponent=0.8, noise_sd=2.0, integers=True)
-    first, second = data.pairs
-    rows = ["participant_id,stimulus_a,stimulus_b,dissimilarity"]
-    for name, values in zip(data.participants, data.values, strict=True):
-        for a, b, value in zip(first, second, values, strict=True):
-            if max(a, b) < len(STIMULI):
-                rows.append(f"{name},{data.stimuli[a]},{data.stimuli[b]},{value:g}")
-    path = tmp_path / "pairs.csv"
-    path.write_text("\n".join(rows) + "\n")
-    return path
+from tests.analysis.studies import EXPERIMENT_1, STIMULI, judged_by
 
 
 @pytest.fixture
 def axes(tmp_path):
     """c and d of the eight stimuli, in another order and with one stimulus that nobody judged."""
-    from .studies import axis_values
+    from tests.analysis.studies import axis_values
 
     rows = [f"{name},{c!r},{d!r}" for name, (c, d) in zip(STIMULI, axis_values()[:8].tolist(), strict=True)]
     path = tmp_path / "axes.csv"
@@ -144,7 +95,7 @@ class TestMds:
         ("option", "value", "message"),
         [
             ("--dims", "8", "Allowed: 1 to 7 for 8 stimuli"),
-            ("--starts", "0", "Allowed: 1 or more"),
+            ("--starts", "0", "Allowed: 1 to 1,000,000"),
             ("--starts", "2.5", "is not a whole number"),
             ("--seed", "-1", "Must be 0 or more"),
             ("--seed", "1.5", "is not a whole number"),
@@ -168,7 +119,7 @@ class TestMds:
 
 class TestConfirm:
     def test_json_has_the_agreed_shape_and_the_numbers_of_the_library(self, gloss, pairs, axes):
-        from .studies import axis_values
+        from tests.analysis.studies import axis_values
 
         code, out, err = gloss("confirm", pairs, "--coordinates", axes, "--json")
         document = json.loads(out)

@@ -5,7 +5,8 @@ import pytest
 from scipy.stats import t
 
 from gloss_analysis.confirmatory import confirm_axes
-from gloss_analysis.objective import make_problem, source_distances, stress_of_sources
+from gloss_analysis.mds.objective import stress_of_sources
+from gloss_analysis.mds.problem import make_problem
 from glossspace.errors import GlossError
 from tests.analysis.studies import axis_values, judged_by, named
 
@@ -29,8 +30,7 @@ def test_the_ratio_is_the_lowest_point_of_the_stress_curve():
 
     def stress(problem, ratio):
         weights = np.tile([1.0, ratio], (problem.n_sources, 1))
-        distances = source_distances(problem, axis_values(), weights)
-        return np.sqrt(np.mean(stress_of_sources(problem, distances) ** 2))
+        return np.sqrt(np.mean(stress_of_sources(problem, axis_values(), weights) ** 2))
 
     ratios = np.geomspace(0.1, 20, 601)
     both = make_problem(data)
@@ -81,7 +81,7 @@ def test_three_axes_reach_the_lowest_point_of_a_grid():
     problem = make_problem(data)
 
     def stress(*ratios):
-        return stress_of_sources(problem, source_distances(problem, position, np.array([[1.0, *ratios]])))[0]
+        return stress_of_sources(problem, position, np.array([[1.0, *ratios]]))[0]
 
     grid = [stress(y, z) for y in np.geomspace(0.02, 50, 40) for z in np.geomspace(0.02, 50, 40)]
     assert confirm_axes(data, position, axes=("x", "y", "z")).shared.stress1 <= min(grid) + 1e-9

@@ -62,7 +62,7 @@ def test_simulated_weights_come_back(made):
 
 
 def test_two_dimensions_are_found_and_stand_for_c_and_d(made):
-    stress = [solution.stress1 for solution in made.analysis.curve]
+    stress = [solution.stress1 for solution in made.analysis.dimensionality.curve]
     assert stress[0] > 2 * stress[1]
     assert stress[1] - stress[2] < 0.1 * (stress[0] - stress[1])  # the elbow of figure 5
     for index, axis in enumerate(("c", "d")):
