@@ -65,7 +65,7 @@ def bootstrap_document(regions: "BootstrapResult") -> dict[str, Any]:
             for one in regions.ellipses()
         ]
         if regions.solution.model == "weighted":
-            document["weight_ratio_ci95"] = regions.ratio_interval()
+            document["own_spread_ratio_ci95"] = regions.ratio_interval()
     return document
 
 
@@ -113,7 +113,7 @@ def print_regions(regions: "BootstrapResult") -> None:
     """95 % intervals of stress and weights, and regions of the stimuli."""
     rows = [("Stress-1", *regions.stress_interval())]
     if regions.solution.model == "weighted" and regions.solution.n_dims >= 2:
-        rows.append(("weight of dim 2 over dim 1, geometric mean", *regions.ratio_interval()))
+        rows.append(("spread along dim 2 over dim 1 in own spaces, geometric mean", *regions.ratio_interval()))
     title = f"95 % intervals of {len(regions.stress1)} resamplings of {regions.resample}"
     print_table(pd.DataFrame(rows, columns=["quantity", "from", "to"]), title=title)
     if regions.solution.n_dims >= 2:

@@ -33,7 +33,7 @@ _SCREENING_STEPS = 40
 _POLISHED = 10
 _POLISHING_STEPS = 3000
 # Below the accuracy that two programs can be compared with, above rounding.
-_POLISHING_ACCURACY = 1e-12
+_POLISHING_ACCURACY = 1e-10
 # Two starts found the same minimum when their objectives agree to this part: far below what a change of order costs.
 _SAME_STRESS = 1e-6
 # Of so many starts, one exchange of points in each round.

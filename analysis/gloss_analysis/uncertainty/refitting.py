@@ -26,7 +26,7 @@ _STEPS, _ACCURACY = 3000, 1e-9
 _DISPLACED, _DISPLACED_ON_LINE = (0.3, 0.6), (0.03, 0.05, 0.1, 0.1, 0.15, 0.2, 0.3, 0.5)
 # With so few judgements the landscape is rough, and a start more is cheap: so many are tried for so many steps, and so
 # many kept.
-_ROUGH_UP_TO, _MORE, _SHORT, _KEPT = 2000, 32, 60, 4
+_ROUGH_UP_TO, _MORE, _SHORT, _KEPT = 1000, 32, 60, 4
 # Beyond, a participant follows one dimension alone, and only noise says by how much.
 _LARGEST_RATIO = 1000.0
 
