@@ -57,6 +57,7 @@ def bootstrap_document(regions: "BootstrapResult") -> dict[str, Any]:
         "degenerate": regions.n_degenerate,
         "stress1_ci95": regions.stress_interval(),
         "coordinates_ci95": regions.coordinate_intervals(),
+        "dimension_weights_ci95": regions.weight_intervals(),
         "warnings": regions.warnings,
     }
     if regions.solution.n_dims >= 2:

@@ -92,6 +92,19 @@ class BootstrapResult:
         check_confidence(level)
         return np.moveaxis(np.quantile(self.coordinates, [(1 - level) / 2, (1 + level) / 2], axis=0), 0, -1)
 
+    def weight_intervals(self, *, level: float = 0.95) -> np.ndarray:
+        """Percentile interval of every dimension weight, shape (m, p, 2), over the replicates that drew the participant.
+
+        What moves a participant's weights in a bootstrap over observers is the group space that the others make. NaN for
+        a participant who was never drawn.
+        """
+        check_confidence(level)
+        drawn = ~np.isnan(self.dimension_weights).all(axis=(0, 2))
+        found = np.full((*self.dimension_weights.shape[1:], 2), np.nan)
+        bounds = np.nanquantile(self.dimension_weights[:, drawn], [(1 - level) / 2, (1 + level) / 2], axis=0)
+        found[drawn] = np.moveaxis(bounds, 0, -1)
+        return found
+
     def ellipses(self, first: int = 0, second: int = 1, *, level: float = 0.95) -> tuple[Ellipse, ...]:
         """Region of every stimulus in the plane of two dimensions, from the covariance of the replicates.
 

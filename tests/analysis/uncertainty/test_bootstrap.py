@@ -157,6 +157,16 @@ def test_redrawn_trials_vary_as_much_as_their_noise():
     assert extents[1] > 2 * extents[0]
 
 
+def test_weights_have_intervals(resampled):
+    low, high = np.moveaxis(resampled.weight_intervals(), -1, 0)
+    one = resampled.dimension_weights[:, 2, 1]
+    assert low[2, 1] == pytest.approx(np.quantile(one[~np.isnan(one)], 0.025))
+    assert high[2, 1] == pytest.approx(np.quantile(one[~np.isnan(one)], 0.975))
+    own = resampled.solution.dimension_weights
+    # The interval is of the weights themselves: nearly all of the solution's own lie inside.
+    assert np.mean((low <= own) & (own <= high)) > 0.8
+
+
 def test_redrawn_trials_vary_as_much_as_new_ones():
     data = repeated(8.0)
     solution = scale(data, n_dims=2, n_starts=5)
