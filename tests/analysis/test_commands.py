@@ -194,12 +194,6 @@ class TestFit:
         assert code == 0
         assert json.loads(stdout)["r_squared"] == {}
 
-    def test_ratings_without_pairs(self, refused, dataset, tmp_path):
-        for path in dataset.rglob("*task-pairwise_data.csv"):
-            path.unlink()
-        _redescribe(dataset)
-        assert "holds no judged pair" in refused("fit", dataset, "--out", tmp_path / "space.json")
-
     def test_the_same_rating_for_everything(self, refused, dataset, tmp_path):
         for subject in ("subject-01", "subject-02"):
             _set_ratings(dataset, subject, "doi", "50")

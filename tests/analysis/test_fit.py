@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from gloss_analysis.dissimilarity import Dissimilarities
-from gloss_analysis.fit import fit_gloss_space, rated_along
+from gloss_analysis.fit import fit_axis_functions, fit_gloss_space, rated_along
 from glossspace.errors import GlossError
 from glossspace.metric import GlossSpace
 from tests.analysis.studies import EXPERIMENT_1, axis_values, judged_by
@@ -14,6 +14,20 @@ from tests.analysis.studies import EXPERIMENT_1, axis_values, judged_by
 def pairs(ratios):
     judged = judged_by(ratios)
     return Dissimilarities(tuple(EXPERIMENT_1["stimulus"]), judged.participants, judged.values)
+
+
+def same_order(ratio):
+    """Lowest and highest weight of d that order the pairs' distances as `ratio` does.
+
+    Two pairs change places where dc1^2 + w^2 dd1^2 = dc2^2 + w^2 dd2^2. Between two such weights all judgements keep
+    their order, so that ordinal data cannot tell the weights in between apart.
+    """
+    first, second = np.triu_indices(len(EXPERIMENT_1), 1)
+    squared = (axis_values()[first] - axis_values()[second]) ** 2
+    dc, dd = np.moveaxis(squared[:, np.newaxis] - squared, -1, 0)
+    crossing = (np.abs(dd) > 1e-15) & (dc * dd < 0)
+    weights = np.sqrt(-dc[crossing] / dd[crossing])
+    return weights[weights < ratio].max(), weights[weights > ratio].min()
 
 
 def ratings(axis):
@@ -31,6 +45,69 @@ def test_a_noise_free_study_gives_its_metric_back_and_survives_the_file(tmp_path
     assert fitted.space.stimulus_range == {"rho_d": (0.03, 0.767), "rho_s": (0.033, 0.099), "alpha": (0.04, 0.10)}
     fitted.space.save(tmp_path / "gloss-space.json")
     assert GlossSpace.load(tmp_path / "gloss-space.json") == fitted.space
+
+
+def test_order_gives_the_weight_of_the_paper_as_far_as_it_determines_it():
+    low, high = same_order(1.78)
+    assert high - low == pytest.approx(0.01, abs=1e-4)
+    assert low < fit_gloss_space(EXPERIMENT_1, pairs([1.78]), {}).space.weight_d < high
+
+
+def test_at_ratio_level_nothing_is_left_open():
+    fitted = fit_gloss_space(EXPERIMENT_1, pairs([1.78, 1.78]), {}, level="ratio")
+    assert fitted.space.weight_d == pytest.approx(1.78, abs=1e-6)
+    assert fitted.space.weight_d_ci95 == pytest.approx((1.78, 1.78), abs=1e-6)
+
+
+def test_ratings_alone_leave_the_weight_of_the_paper(tmp_path):
+    fitted = fit_axis_functions(EXPERIMENT_1, {"d": ratings(1)}, provenance={"observers": ["1"]})
+    function = fitted.space.axis_functions["d"]
+    assert (function.slope, function.intercept) == pytest.approx((50, 10), rel=1e-9)
+    assert (fitted.space.weight_c, fitted.space.weight_d, fitted.space.weight_d_ci95) == (1, 1.78, None)
+    assert fitted.space.provenance["weight_d_fitted"] is False
+    assert fitted.space.provenance["sources"] == ["magnitudes"]
+    assert fitted.space.provenance["observers"] == ["1"]
+    fitted.space.save(tmp_path / "gloss-space.json")
+    assert GlossSpace.load(tmp_path / "gloss-space.json") == fitted.space
+
+
+def test_nothing_and_unknown_axes_are_refused():
+    with pytest.raises(GlossError, match="There are no ratings"):
+        fit_axis_functions(EXPERIMENT_1, {})
+    with pytest.raises(GlossError, match="Ratings along 'gloss' are not known. Allowed: c or d."):
+        fit_axis_functions(EXPERIMENT_1, {"gloss": ratings(0)})
+
+
+def test_what_ratings_leave_open_is_said():
+    table = ratings(0)
+    dark = table[EXPERIMENT_1["rho_d"] == 0.03]
+    flat = dark.assign(participant_id="2", rating=40.0)
+    falling = dark.assign(rating=100 - dark["rating"])
+    for rated, expected in (
+        (table, ["differ in d too"]),
+        (dark, ["differ in d too", "one lightness (rho_d 0.03)"]),
+        (falling, ["Was the scale reversed?", "differ in d too", "one lightness"]),
+        (pd.concat([dark, flat]), ["same rating along c: 2.", "differ in d too", "one lightness"]),
+    ):
+        said = fit_axis_functions(EXPERIMENT_1, {"c": rated}).warnings[1:]
+        assert len(said) == len(expected)
+        assert all(part in one for part, one in zip(expected, said, strict=True))
+
+
+def test_pairs_of_one_lightness_are_said_and_of_one_c_refused():
+    names = EXPERIMENT_1["stimulus"].tolist()
+    judged = pairs([1.78, 2.0])
+    first, second = judged.pairs
+
+    def among(n):
+        return Dissimilarities(tuple(names[:n]), judged.participants, judged.values[:, (first < n) & (second < n)])
+
+    assert any(
+        "judged in pairs have one lightness" in one for one in fit_gloss_space(EXPERIMENT_1, among(9), {}).warnings
+    )
+    assert fit_gloss_space(EXPERIMENT_1, judged, {}).warnings == ()
+    with pytest.raises(GlossError, match="have the same c, .*Judge pairs that differ in rho_d and rho_s too"):
+        fit_gloss_space(EXPERIMENT_1, among(3), {})
 
 
 def test_pairs_alone_give_weights_without_axis_functions():

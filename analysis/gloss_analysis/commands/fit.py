@@ -1,18 +1,62 @@
 """gloss fit: a gloss space from judgements."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
 from gloss_analysis.commands.observers import note_simulated, simulated_of
 from glossspace.console import JsonFlag, note, print_json, print_table
+from glossspace.errors import GlossError
 from glossspace.files import check_file_target
+
+if TYPE_CHECKING:  # for the annotations: the analysis itself is imported once it runs
+    from gloss_analysis.dissimilarity import Dissimilarities
+    from gloss_analysis.fit import AxisFunctionsFit
 
 __all__ = ["fit"]
 
+# The magnitude tasks of a dataset that vary one axis.
+_TASKS = {"contrast": "c", "doi": "d"}
 
-def fit(dataset: Path, /, *, out: Path, stimuli: Path | None = None, json: JsonFlag = False) -> None:
-    """Fit a gloss space to a dataset with judged pairs and, where they were rated, magnitude estimates.
+
+@dataclass(frozen=True)
+class _Judgements:
+    """What there is to fit; `simulated` are all participants that are known to be programs."""
+
+    stimuli: pd.DataFrame
+    pairs: "Dissimilarities | None"
+    ratings: Mapping[str, pd.DataFrame]
+    simulated: tuple[str, ...]
+    name: str
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def participants(self) -> tuple[str, ...]:
+        """Everyone who judged a pair or rated a stimulus, each once."""
+        judges = () if self.pairs is None else self.pairs.participants
+        return tuple(
+            dict.fromkeys([*judges, *(one for table in self.ratings.values() for one in table["participant_id"])])
+        )
+
+
+def fit(
+    dataset: Path | None = None,
+    /,
+    *,
+    out: Path,
+    pairs: Path | None = None,
+    magnitudes: Path | None = None,
+    stimuli: Path | None = None,
+    json: JsonFlag = False,
+) -> None:
+    """Fit a gloss space to judged pairs, to magnitude estimates, or to both: of a dataset, or of tables of any study.
+
+    Pairs give the weight of distinctness d over that of contrast gloss c. Ratings
+    give the axis functions; without pairs the weight remains the gloss paper's
+    1.78, and the output says that it was not fitted.
 
     Examples:
 
@@ -20,42 +64,107 @@ def fit(dataset: Path, /, *, out: Path, stimuli: Path | None = None, json: JsonF
 
         gloss fit study/dataset --stimuli stimuli.csv --out gloss-space.json --json
 
+        gloss fit --pairs p.csv --magnitudes m.csv --stimuli s.csv --out space.json
+
+        gloss fit --magnitudes m.csv --stimuli s.csv --out space.json
+
     Parameters
     ----------
     dataset
-        The dataset folder.
+        The dataset folder. Leave it out to give tables.
     out
         The file to write; `gloss distance --space` reads it.
+    pairs
+        A CSV file with the columns participant_id, stimulus_a, stimulus_b, dissimilarity.
+    magnitudes
+        A CSV file with the columns participant_id, stimulus, repeat, rating; and axis (c or d), where the stimuli do
+        not tell which axis the study varied.
     stimuli
         A CSV file with the columns stimulus, rho_d, rho_s, alpha. By default what the dataset itself recorded.
     """
-    from gloss_analysis.fit import fit_gloss_space, labelled_observers
+    from gloss_analysis.fit import fit_axis_functions, fit_gloss_space, labelled_observers
+
+    tables = [option for option, path in (("--pairs", pairs), ("--magnitudes", magnitudes)) if path is not None]
+    if dataset is not None and tables:
+        raise GlossError(f"Give either the dataset '{dataset}' or {' and '.join(tables)}, not both.")
+    if dataset is None and not tables:
+        raise GlossError("Nothing to fit. Give a dataset folder, or --pairs, --magnitudes or both with --stimuli.")
+    check_file_target(out)
+    if dataset is not None:
+        given = _from_dataset(dataset, stimuli)
+    elif stimuli is not None:
+        given = _from_tables(pairs, magnitudes, stimuli)
+    else:
+        raise GlossError(
+            f"Without --stimuli nothing says what was shown in {' and '.join(tables)}. Give a CSV file with the "
+            "columns stimulus, rho_d, rho_s, alpha."
+        )
+    provenance = {"observers": labelled_observers(given.participants, given.simulated)}
+    fitted: AxisFunctionsFit
+    if given.pairs is None:
+        fitted = fit_axis_functions(given.stimuli, given.ratings, name=given.name, provenance=provenance)
+    else:
+        fitted = fit_gloss_space(given.stimuli, given.pairs, given.ratings, name=given.name, provenance=provenance)
+    simulated = [name for name in given.participants if name in given.simulated]
+    note_simulated(simulated, given.participants)
+    fitted.space.save(out)
+    _show(fitted, out, simulated, (*fitted.warnings, *given.remarks), json=json)
+
+
+def _from_dataset(dataset: Path, stimuli: Path | None) -> _Judgements:
     from gloss_analysis.judgement_table import from_table
     from glossspace.dataset import (
         read_dissimilarities,
         read_magnitudes,
         read_stimuli,
         read_stimulus_table,
+        simulated_participants,
         tasks_of,
     )
 
-    check_file_target(out)
-    pairs = from_table(read_dissimilarities(dataset), source=f"The dataset '{dataset}'")
-    known = read_stimuli(dataset) if stimuli is None else read_stimulus_table(stimuli)
-    rated = [task for task, kind in tasks_of(dataset).items() if kind == "magnitude"]
-    studies = {axis: task for axis, task in (("c", "contrast"), ("d", "doi")) if task in rated}
-    ratings = {axis: read_magnitudes(dataset, task) for axis, task in studies.items()}
-    simulated = simulated_of(dataset, pairs.participants)
-    fitted = fit_gloss_space(
-        known,
-        pairs,
-        ratings,
+    kinds = tasks_of(dataset)
+    rated = [task for task, kind in kinds.items() if kind == "magnitude"]
+    studies = {axis: task for task, axis in _TASKS.items() if task in rated}
+    pairs = None
+    if "pairwise" in kinds.values() or not studies:  # with neither, the error says how to get pairs
+        pairs = from_table(read_dissimilarities(dataset), source=f"The dataset '{dataset}'")
+    unused = [task for task in rated if task not in _TASKS]
+    return _Judgements(
+        stimuli=read_stimuli(dataset) if stimuli is None else read_stimulus_table(stimuli),
+        pairs=pairs,
+        ratings={axis: read_magnitudes(dataset, task) for axis, task in studies.items()},
+        simulated=simulated_participants(dataset),
         name=f"fitted to {dataset.resolve().name}",
-        provenance={"observers": labelled_observers(pairs.participants, simulated)},
+        remarks=tuple(
+            f"The ratings of the task {task!r} are not used: it is none of {', '.join(_TASKS)}." for task in unused
+        ),
     )
-    note_simulated(simulated, pairs.participants)
-    fitted.space.save(out)
+
+
+def _from_tables(pairs: Path | None, magnitudes: Path | None, stimuli: Path) -> _Judgements:
+    from gloss_analysis.judgement_table import read_table
+    from gloss_analysis.rating_table import read_ratings
+    from glossspace.dataset import read_stimulus_table
+
+    known = read_stimulus_table(stimuli)
+    judged = None if pairs is None else read_table(pairs)
+    ratings = {} if magnitudes is None else read_ratings(magnitudes, known)
+    # The pairs may be those of a dataset, which says who is a program.
+    simulated = [] if pairs is None or judged is None else simulated_of(pairs, judged.participants)
+    return _Judgements(
+        stimuli=known,
+        pairs=judged,
+        ratings={str(axis): table for axis, table in ratings.items()},
+        simulated=tuple(simulated),
+        name=f"fitted to {' and '.join(path.resolve().name for path in (pairs, magnitudes) if path is not None)}",
+    )
+
+
+def _show(
+    fitted: "AxisFunctionsFit", out: Path, simulated: list[str], warnings: tuple[str, ...], *, json: bool
+) -> None:
     space = fitted.space
+    was_fitted = space.provenance["weight_d_fitted"]
     if json:
         print_json(
             {
@@ -63,17 +172,21 @@ def fit(dataset: Path, /, *, out: Path, stimuli: Path | None = None, json: JsonF
                 "weight_c": space.weight_c,
                 "weight_d": space.weight_d,
                 "weight_d_ci95": space.weight_d_ci95,
+                "weight_d_fitted": was_fitted,
+                "sources": space.provenance["sources"],
                 "r_squared": {axis: one.r_squared for axis, one in fitted.regressions.items()},
                 "simulated": simulated,
-                "warnings": fitted.confirmatory.warnings,
+                "warnings": warnings,
             }
         )
         return
-    rows = [("weight of d over that of c", space.weight_d)]
+    rows = [(f"weight of d over that of c{'' if was_fitted else ', not fitted'}", space.weight_d)]
     if space.weight_d_ci95 is not None:
         rows += zip(("95 % from", "95 % to"), space.weight_d_ci95, strict=True)
-    rows += [(f"r² of the ratings along {axis}", one.r_squared) for axis, one in fitted.regressions.items()]
+    for axis, one in fitted.regressions.items():
+        line = (("slope", one.slope), ("intercept", one.intercept), ("r²", one.r_squared))
+        rows += [(f"{what} of the ratings along {axis}", value) for what, value in line]
     print_table(pd.DataFrame(rows, columns=["quantity", "value"]))
     print(f"Gloss space: {out}")
-    for warning in fitted.confirmatory.warnings:
+    for warning in warnings:
         note(warning)
