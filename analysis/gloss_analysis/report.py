@@ -13,11 +13,16 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from gloss_analysis import figures
 from gloss_analysis.comparison import compare_with_paper
 from gloss_analysis.examples import CityMap, ColourCircle, city_map, colour_circle
+from gloss_analysis.figures.hypotheses import hypotheses_table
+from gloss_analysis.hypotheses import HYPOTHESES_C
+from gloss_analysis.magnitude import rater_consistency
+from gloss_analysis.polynomials import polynomial_sentence
 from gloss_analysis.study import StudyAnalysis, dataset_folder, stimulus_folder
 from glossspace.files import sha256_of, write_text
 from glossspace.stimulus_set import MANIFEST_NAME, StimulusSet
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.figure import Figure
 
 __all__ = ["write_report"]
@@ -63,6 +68,8 @@ def write_report(analysis: StudyAnalysis, path: Path) -> None:
             cities=cities,
             axes=_axis_rows(analysis),
             participants=_participant_rows(analysis),
+            hypotheses=_hypothesis_rows(analysis),
+            ratings=_rating_remarks(analysis),
             advice=analysis.dimensionality.recommendation,
             warnings=analysis.plane.warnings
             + analysis.dimensionality.held_out.warnings
@@ -133,6 +140,7 @@ def _pictures(analysis: StudyAnalysis, cities: CityMap, circle: ColourCircle) ->
             "Mean ratings against c",
             f"Fig. 8: magnitude estimates against c. Bars: standard errors over participants.{simulated}",
         ),
+        **_hypothesis_picture(analysis, simulated),
         "space": _svg(
             figures.draw_gloss_space(experiment1, fit.space),
             "Stimuli in the gloss space",
@@ -157,6 +165,16 @@ def _pictures(analysis: StudyAnalysis, cities: CityMap, circle: ColourCircle) ->
             "Dimension weights of Helm's participants. Real observers.",
         ),
     }
+
+
+def _hypothesis_picture(analysis: StudyAnalysis, simulated: str) -> dict[str, _Picture]:
+    if analysis.hypotheses is None:
+        return {}
+    drawn = figures.draw_hypotheses(
+        HYPOTHESES_C, analysis.study.stimuli, analysis.study.ratings["c"], confirmed=analysis.hypotheses.confirmed
+    )
+    caption = f"Three hypotheses for c on ratings, with 95 % intervals, and on judged pairs.{simulated}"
+    return {"hypotheses": _svg(drawn, "Mean ratings against three forms of contrast gloss", caption)}
 
 
 def _svg(figure: "Figure", alternative: str, caption: str) -> _Picture:
@@ -204,6 +222,23 @@ def _participant_rows(analysis: StudyAnalysis) -> list[dict[str, float | str | N
         {"participant": name, "ratio": fit.ratio, "stress1": fit.stress1, "true": true.get(name)}
         for name, fit in zip(confirmatory.participants, confirmatory.individual, strict=True)
     ]
+
+
+def _hypothesis_rows(analysis: StudyAnalysis) -> "pd.DataFrame | None":
+    if analysis.hypotheses is None:
+        return None
+    return hypotheses_table(analysis.hypotheses.compared, analysis.hypotheses.confirmed)
+
+
+def _rating_remarks(analysis: StudyAnalysis) -> list[str]:
+    """Curvature of the ratings along each axis, and participants whose ratings look odd."""
+    remarks = [
+        f"Along {axis}: {polynomial_sentence(analysis.fit.regressions[axis].polynomials)}" for axis in ("c", "d")
+    ]
+    for axis, table in analysis.study.ratings.items():
+        for rater in rater_consistency(table):
+            remarks += [f"Participant {rater.participant_id}, ratings along {axis}: {flag}" for flag in rater.flags]
+    return remarks
 
 
 def _rendering_summary(stimuli: StimulusSet) -> str:

@@ -20,15 +20,18 @@ from gloss_analysis.axes.property_fitting import PropertyVector, property_vector
 from gloss_analysis.dimensionality.study import DimensionalityStudy, study_dimensionality
 from gloss_analysis.dissimilarity import Dissimilarities
 from gloss_analysis.fit import GlossSpaceFit, axis_coordinates, fit_gloss_space, labelled_observers, rated_along
+from gloss_analysis.hypotheses import HYPOTHESES_C, compare_hypotheses, confirm_hypotheses
 from gloss_analysis.judgement_table import from_table
 from gloss_analysis.mds import MdsSolution, scale
 from glossspace.dataset import read_dissimilarities, read_magnitudes, read_simulated_observers, simulated_participants
 from glossspace.errors import GlossError
 from glossspace.stimulus_set import StimulusSet, read_stimulus_set
+from glossspace.user_table import read_user_table
 
 __all__ = [
     "STIMULUS_SETS",
     "AxisReading",
+    "HypothesisTest",
     "Study",
     "StudyAnalysis",
     "analyse_study",
@@ -40,6 +43,7 @@ __all__ = [
 ]
 
 STIMULUS_SETS = ("experiment1", "contrast", "doi")
+_MEASUREMENTS = "measurements.csv"
 _ROTATIONS_DEG = np.arange(-45.0, 46.0, 5.0)
 
 
@@ -72,7 +76,7 @@ class Study:
     folder : Path
     sets : mapping of str to StimulusSet
     stimuli : DataFrame
-        All stimuli of all sets, once each.
+        All stimuli of all sets, once each, with what was measured in their images where it was.
     pairs : Dissimilarities
     ratings : mapping of {"c", "d"} to DataFrame
         Magnitude estimates of the contrast and of the distinctness study.
@@ -119,6 +123,22 @@ class AxisReading:
 
 
 @dataclass(frozen=True)
+class HypothesisTest:
+    """How three forms of contrast gloss fare.
+
+    Attributes
+    ----------
+    compared : DataFrame
+        On ratings; see `compare_hypotheses`.
+    confirmed : DataFrame
+        On judged pairs; see `confirm_hypotheses`.
+    """
+
+    compared: pd.DataFrame
+    confirmed: pd.DataFrame
+
+
+@dataclass(frozen=True)
 class StudyAnalysis:
     """Everything that the report of a study shows.
 
@@ -136,6 +156,8 @@ class StudyAnalysis:
     fit : GlossSpaceFit
     rated : mapping of {"c", "d"} to DataFrame
         Mean ratings beside the coordinates.
+    hypotheses : HypothesisTest or None
+        What could contrast gloss be? None where nothing was measured in the images.
     """
 
     study: Study
@@ -147,6 +169,7 @@ class StudyAnalysis:
     axes: AxisReading
     fit: GlossSpaceFit
     rated: dict[str, pd.DataFrame]
+    hypotheses: HypothesisTest | None
 
 
 def read_study(folder: Path) -> Study:
@@ -161,6 +184,7 @@ def read_study(folder: Path) -> Study:
         raise GlossError(f"No study folder at '{folder}'. Make one with `gloss reproduce --out '{folder}'`.")
     sets = {name: read_stimulus_set(stimulus_folder(folder, name)) for name in STIMULUS_SETS}
     stimuli = pd.concat([one.table() for one in sets.values()]).drop_duplicates("stimulus", ignore_index=True)
+    stimuli = _with_measurements(stimuli, [stimulus_folder(folder, name) / _MEASUREMENTS for name in STIMULUS_SETS])
     dataset = dataset_folder(folder)
     return Study(
         folder=folder,
@@ -171,6 +195,18 @@ def read_study(folder: Path) -> Study:
         simulated_participants=simulated_participants(dataset),
         simulated=read_simulated_observers(dataset),
     )
+
+
+def _with_measurements(stimuli: pd.DataFrame, files: list[Path]) -> pd.DataFrame:
+    tables = [
+        read_user_table(path, what="measurements of the images", columns=["stimulus"])
+        for path in files
+        if path.is_file()
+    ]
+    if not tables:
+        return stimuli
+    measured = pd.concat(tables).drop_duplicates("stimulus").set_index("stimulus")
+    return stimuli.join(measured.apply(pd.to_numeric, errors="coerce"), on="stimulus")
 
 
 def analyse_study(
@@ -202,6 +238,8 @@ def analyse_study(
         study.stimuli, study.pairs, study.ratings, name="this study", provenance=_provenance(study, seed)
     )
     coordinates = axis_coordinates(study.stimuli, list(study.pairs.stimuli))
+    on_step("The hypotheses for c")
+    hypotheses = _test_hypotheses(study)
     on_step("Reading of the axes")
     return StudyAnalysis(
         study=study,
@@ -213,6 +251,22 @@ def analyse_study(
         axes=_read_axes(study.pairs, plane, identity_plane, coordinates),
         fit=fit,
         rated={axis: rated_along(study.stimuli, table) for axis, table in study.ratings.items()},
+        hypotheses=hypotheses,
+    )
+
+
+def _test_hypotheses(study: Study) -> HypothesisTest | None:
+    judged = study.stimuli["stimulus"].isin({*study.pairs.stimuli, *study.ratings["c"]["stimulus"]})
+    for hypothesis in HYPOTHESES_C:
+        try:
+            values = hypothesis.values(study.stimuli[judged])
+        except GlossError:
+            return None  # the images were not measured
+        if not np.all(np.isfinite(values)):
+            return None  # a patch is out of sight in some image
+    return HypothesisTest(
+        compare_hypotheses(HYPOTHESES_C, study.stimuli, study.ratings["c"]),
+        confirm_hypotheses(HYPOTHESES_C, study.stimuli, study.pairs),
     )
 
 

@@ -93,10 +93,10 @@ class BootstrapResult:
         return np.moveaxis(np.quantile(self.coordinates, [(1 - level) / 2, (1 + level) / 2], axis=0), 0, -1)
 
     def weight_intervals(self, *, level: float = 0.95) -> np.ndarray:
-        """Percentile interval of every dimension weight, shape (m, p, 2), over the replicates that drew the participant.
+        """Percentile interval of every dimension weight, shape (m, p, 2), over replicates that drew the participant.
 
-        What moves a participant's weights in a bootstrap over observers is the group space that the others make. NaN for
-        a participant who was never drawn.
+        What moves a participant's weights in a bootstrap over observers is the group space that the others make. NaN
+        for a participant who was never drawn.
         """
         check_confidence(level)
         drawn = ~np.isnan(self.dimension_weights).all(axis=(0, 2))
