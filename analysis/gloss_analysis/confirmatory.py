@@ -5,54 +5,28 @@ of every scaling here (`objective`), so any level and tie rule can be used; ordi
 that compresses large differences biases a ratio-level fit upward.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy.optimize import minimize, minimize_scalar
-from scipy.stats import qmc
 from scipy.stats import t as student_t
 
+from gloss_analysis.axis_weights import AxisWeights, fit_axis_weights
 from gloss_analysis.dissimilarity import Dissimilarities
 from gloss_analysis.mds.diagnostics import all_flat, check_scalable, data_warnings, distinguishes
 from gloss_analysis.mds.disparities import Level, Ties
-from gloss_analysis.mds.objective import mean_square_stress, source_distances
-from gloss_analysis.mds.problem import Problem, make_problem
+from gloss_analysis.mds.objective import source_distances
+from gloss_analysis.mds.problem import make_problem
 from glossspace.errors import GlossError
 
-__all__ = ["AxisWeights", "ConfirmatoryFit", "confirm_axes"]
+__all__ = ["INTERVALS", "AxisWeights", "ConfirmatoryFit", "Interval", "confirm_axes", "population_interval"]
 
-# Axis ratios from 1/100 to 100, relative to axes of equal spread: beyond, one axis contributes nothing visible.
-_LOG_RANGE = np.log(100.0)
+Interval: TypeAlias = Literal["t", "bootstrap"]
+INTERVALS: tuple[Interval, ...] = ("t", "bootstrap")
+
 # Axes whose spread across each other is less than this part of that along them are one axis but for rounding.
 _SAME_DIRECTION = 1e-9
-_COARSE, _FINE = 81, 41
-# With three axes or more: points at which the search looks first, and how many of these it starts from.
-_LOOKED_AT, _STARTED_FROM = 64, 4
-# Stress-1 squared that rounding cannot tell apart.
-_SAME_LOSS = 1e-14
-
-
-@dataclass(frozen=True)
-class AxisWeights:
-    """Weights of the axes for one participant, or shared by all; they multiply the coordinates.
-
-    Attributes
-    ----------
-    weights : ndarray, shape (n_axes,)
-        The first axis has weight 1.
-    ratio : float
-        Weight of the last axis over that of the first: the gloss paper's 1.78.
-    stress1 : float
-        Stress-1 with these weights.
-    at_bound : bool
-        Whether the search ended at its limit: the judgements follow one of the axes alone.
-    """
-
-    weights: np.ndarray
-    ratio: float
-    stress1: float
-    at_bound: bool
+_RESAMPLES = 2000
 
 
 @dataclass(frozen=True)
@@ -67,11 +41,13 @@ class ConfirmatoryFit:
     population_ratio : float
         Geometric mean of the participants' ratios, those at the limit of the search included.
     population_ci95 : tuple of float, or None
-        95 % t interval of it, on the logarithms; None with fewer than two participants.
+        95 % interval of it, on the logarithms (`population_interval`); None with too few participants.
     shared : AxisWeights
         One set of weights for all, each participant at a scale of its own. Descriptive: biased where participants
-        differ.
+        differ, by +9 % in one simulation.
     warnings : tuple of str
+    interval : {"t", "bootstrap"}
+        Kind of `population_ci95`.
     """
 
     axes: tuple[str, ...]
@@ -81,6 +57,7 @@ class ConfirmatoryFit:
     population_ci95: tuple[float, float] | None
     shared: AxisWeights
     warnings: tuple[str, ...]
+    interval: Interval = "t"
 
 
 def confirm_axes(
@@ -90,6 +67,8 @@ def confirm_axes(
     axes: tuple[str, ...],
     level: Level = "ordinal",
     ties: Ties = "primary",
+    interval: Interval = "t",
+    seed: int = 1,
 ) -> ConfirmatoryFit:
     """Estimate how much each given axis weighs in the judged dissimilarities.
 
@@ -103,6 +82,10 @@ def confirm_axes(
         Names of the axes.
     level, ties
         See `gloss_analysis.mds.scale`.
+    interval : {"t", "bootstrap"}
+        Interval of the population's ratio, see `population_interval`.
+    seed : int
+        Of the bootstrap.
 
     Returns
     -------
@@ -111,8 +94,8 @@ def confirm_axes(
     Raises
     ------
     GlossError
-        Coordinates do not fit the data, are not finite, are the same for all stimuli on an axis, or do not tell the
-        axes apart; or no participant's judgements can be fitted.
+        An unknown interval. Coordinates do not fit the data, are not finite, are the same for all stimuli on an axis,
+        or do not tell the axes apart; or no participant's judgements can be fitted.
 
     Notes
     -----
@@ -120,6 +103,7 @@ def confirm_axes(
     Where order alone leaves a range of ratios equally good, its middle is taken. With more axes, by Nelder and Mead's
     search on log weights from the best of many points in that range.
     """
+    _check_interval(interval)
     coordinates = np.asarray(coordinates, dtype=float)
     if coordinates.shape != (len(data.stimuli), len(axes)):
         raise GlossError(
@@ -155,7 +139,7 @@ def confirm_axes(
             continue
         one = make_problem(data.of((name,)), level=level, ties=ties)
         participants.append(name)
-        individual.append(_fit_weights(one, unit, half))
+        individual.append(fit_axis_weights(one, unit, half))
         if all_flat(one, source_distances(unit, individual[-1].weights[np.newaxis] * half / half[0])):
             unrelated.append(name)
     if unseen:
@@ -177,15 +161,16 @@ def confirm_axes(
         )
 
     logs = np.log([fit.ratio for fit in individual])
-    shared = _fit_weights(make_problem(data, level=level, ties=ties), unit, half)
+    shared = fit_axis_weights(make_problem(data, level=level, ties=ties), unit, half)
     return ConfirmatoryFit(
         axes=axes,
         participants=tuple(participants),
         individual=tuple(individual),
         population_ratio=float(np.exp(logs.mean())),
-        population_ci95=_t_interval(logs),
+        population_ci95=population_interval(logs, interval=interval, seed=seed),
         shared=shared,
         warnings=tuple(remarks),
+        interval=interval,
     )
 
 
@@ -193,71 +178,62 @@ def _list(names: list[str]) -> str:
     return ", ".join(names)
 
 
-def _t_interval(logs: np.ndarray) -> tuple[float, float] | None:
-    if len(logs) < 2:
-        return None
-    half = student_t.ppf(0.975, len(logs) - 1) * logs.std(ddof=1) / np.sqrt(len(logs))
-    return float(np.exp(logs.mean() - half)), float(np.exp(logs.mean() + half))
+def population_interval(logs: np.ndarray, *, interval: Interval = "t", seed: int = 1) -> tuple[float, float] | None:
+    """95 % interval of the geometric mean of a population, from the logarithms of a sample of it.
 
+    Parameters
+    ----------
+    logs : ndarray, shape (m,)
+        Logarithms of the ratios of m participants.
+    interval : {"t", "bootstrap"}
+        Student's interval, exact for normal logarithms; or the studentised bootstrap of 2,000 resamples, which needs no
+        normality. A percentile bootstrap is not offered: with nine participants its 95 % interval covers only 90 %.
+    seed : int
+        Of the bootstrap.
 
-def _fit_weights(problem: Problem, unit: np.ndarray, extent: np.ndarray) -> AxisWeights:
-    """Fit the weights of axes given in units of their `extent`; the result is in their own units."""
-    n_axes = unit.shape[1]
-    spread = unit.std(axis=0)
-    equal_spread = np.log(spread[0] / spread)  # log weights, the first 0
+    Returns
+    -------
+    tuple of float, or None
+        None with fewer than two participants, or three for the bootstrap: two different ones, resampled, have mean and
+        standard error of the sample itself or no standard error at all.
 
-    def loss(log_weights: np.ndarray) -> float:
-        weights = np.broadcast_to(np.exp(log_weights), (problem.n_sources, n_axes))
-        return mean_square_stress(problem, unit, weights)
+    Raises
+    ------
+    GlossError
+        An unknown interval.
 
-    if n_axes == 1:
-        log_weights = np.zeros(1)
-    elif n_axes == 2:
-        log_ratio = _lowest(lambda x: loss(np.array([0.0, x])), float(equal_spread[1]))
-        log_weights = np.array([0.0, log_ratio])
-    else:
-        free = _lowest_in_box(lambda x: loss(np.concatenate([[0.0], x])), equal_spread[1:])
-        log_weights = np.concatenate([[0.0], free])
-    weights = np.exp(log_weights) * (extent[0] / extent)
-    return AxisWeights(
-        weights=weights,
-        ratio=float(weights[-1]),
-        stress1=float(np.sqrt(loss(log_weights))),
-        at_bound=bool(np.any(np.abs(log_weights - equal_spread) > 0.999 * _LOG_RANGE)),
-    )
+    Notes
+    -----
+    The studentised bootstrap (Efron and Tibshirani 1993, chapter 12) takes the quantiles of
+    (mean* - mean) / standard error* over resamples in place of those of Student's t. Resamples of one participant
+    alone have no standard error and are left out.
 
-
-def _lowest(function: Callable[[float], float], centre: float) -> float:
-    """Where a function of one variable is lowest within _LOG_RANGE of `centre`: grid, finer grid, then golden section.
-
-    Monotone regression makes small dents in the curve, which a search from one point would fall into, and flat
-    bottoms, of which the middle is taken.
+    Examples
+    --------
+    >>> low, high = population_interval(np.log([1.0, 2.0, 4.0]))
+    >>> round(low, 3), round(high, 2)
+    (0.357, 11.19)
     """
-    low, high = centre - _LOG_RANGE, centre + _LOG_RANGE
-    for points in (_COARSE, _FINE):
-        grid = np.linspace(low, high, points)
-        losses = np.array([function(x) for x in grid])
-        bottom = _bottom(losses)
-        low, high = grid[max(bottom[0] - 1, 0)], grid[min(bottom[-1] + 1, points - 1)]
-    middle = float((grid[bottom[0]] + grid[bottom[-1]]) / 2)
-    found = minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-9})
-    return float(found.x) if found.fun < function(middle) - _SAME_LOSS else middle
+    _check_interval(interval)
+    logs = np.asarray(logs, dtype=float)
+    m = len(logs)
+    if m < 2 or (interval == "bootstrap" and m < 3):
+        return None
+    error = logs.std(ddof=1) / np.sqrt(m)
+    if interval == "t":
+        upper = student_t.ppf(0.975, m - 1)
+        lower = -upper
+    else:
+        drawn = logs[np.random.default_rng(seed).integers(m, size=(_RESAMPLES, m))]
+        errors = drawn.std(axis=1, ddof=1) / np.sqrt(m)
+        # The standard deviation of equal numbers may be a rounding error above 0.
+        usable = np.ptp(drawn, axis=1) > 0
+        if not usable.any():
+            return float(np.exp(logs.mean())), float(np.exp(logs.mean()))
+        lower, upper = np.quantile((drawn.mean(axis=1) - logs.mean())[usable] / errors[usable], [0.025, 0.975])
+    return float(np.exp(logs.mean() - upper * error)), float(np.exp(logs.mean() - lower * error))
 
 
-def _bottom(losses: np.ndarray) -> np.ndarray:
-    """Indices of the unbroken run of lowest losses round the first lowest one."""
-    lowest = int(np.argmin(losses))
-    higher = np.flatnonzero(losses > losses[lowest] + _SAME_LOSS)
-    before, after = higher[higher < lowest], higher[higher > lowest]
-    return np.arange(before.max(initial=-1) + 1, after.min(initial=len(losses)))
-
-
-def _lowest_in_box(function: Callable[[np.ndarray], float], centre: np.ndarray) -> np.ndarray:
-    """Where a function is lowest within _LOG_RANGE of `centre`, by Nelder and Mead from the best of many points."""
-    box = [(c - _LOG_RANGE, c + _LOG_RANGE) for c in centre]
-    spread_out = qmc.Sobol(len(centre), scramble=False).random(_LOOKED_AT)
-    looked_at = [centre, *(centre + _LOG_RANGE * (2 * spread_out - 1))]
-    starts = sorted(looked_at, key=function)[:_STARTED_FROM]
-    options = {"xatol": 1e-6, "fatol": 1e-12, "maxiter": 4000}
-    found = [minimize(function, start, method="Nelder-Mead", bounds=box, options=options) for start in starts]
-    return np.asarray(min(found, key=lambda one: one.fun).x)
+def _check_interval(interval: str) -> None:
+    if interval not in INTERVALS:
+        raise GlossError(f"Invalid interval = {interval!r}. Allowed: {', '.join(map(repr, INTERVALS))}.")

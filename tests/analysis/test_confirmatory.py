@@ -1,10 +1,12 @@
 """Axis weights: noise-free recovery, a brute-force minimum, the bias that a compressed slider makes, and bad input."""
 
+import itertools
+
 import numpy as np
 import pytest
 from scipy.stats import t
 
-from gloss_analysis.confirmatory import confirm_axes
+from gloss_analysis.confirmatory import confirm_axes, population_interval
 from gloss_analysis.mds.objective import stress_of_sources
 from gloss_analysis.mds.problem import make_problem
 from glossspace.errors import GlossError
@@ -47,6 +49,46 @@ def test_population_is_the_geometric_mean_with_a_t_interval_on_logarithms():
     assert fit.population_ratio == pytest.approx(np.exp(logs.mean()), rel=1e-12)
     assert fit.population_ci95 == pytest.approx(np.exp([logs.mean() - half, logs.mean() + half]), rel=1e-12)
     assert confirm_axes(judged_by([2.0]), axis_values(), axes=AXES).population_ci95 is None
+
+
+def test_the_studentised_bootstrap_is_that_of_all_resamples():
+    # Of three participants there are 27 resamples, 24 with a standard error, each of at least six kinds with a chance
+    # of an eighth or more: the outermost 2.5 % are the outermost kinds, and 2,000 draws hold all kinds for certain.
+    logs = np.log([1.0, 2.0, 5.0])
+
+    def studentised(some):
+        return (np.mean(some) - logs.mean()) / (np.std(some, ddof=1) / np.sqrt(3))
+
+    found = [studentised(some) for some in itertools.product(logs, repeat=3) if np.ptp(some) > 0]
+    error = logs.std(ddof=1) / np.sqrt(3)
+    expected = np.exp([logs.mean() - max(found) * error, logs.mean() - min(found) * error])
+    assert population_interval(logs, interval="bootstrap", seed=5) == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_studentised_bootstrap_of_a_large_normal_sample_is_the_t_interval():
+    logs = np.random.default_rng(0).standard_normal(400) * 0.2
+    plain = np.log(population_interval(logs))
+    boot = np.log(population_interval(logs, interval="bootstrap"))
+    # A 2.5 % quantile of 2,000 draws has a standard error of sqrt(.025 .975 / 2000) / phi(1.96) = .06 standard errors
+    # of the mean, .2 / sqrt(400); four of these.
+    assert boot == pytest.approx(plain, abs=4 * 0.06 * 0.01)
+
+
+def test_intervals_of_few_or_equal_participants():
+    assert population_interval(np.zeros(1)) is None
+    assert population_interval(np.zeros(2), interval="bootstrap") is None
+    for kind in ("t", "bootstrap"):
+        assert population_interval(np.full(4, np.log(2)), interval=kind) == pytest.approx((2, 2))
+    with pytest.raises(GlossError, match="Invalid interval = 'percentile'"):
+        confirm_axes(judged_by([1.78]), axis_values(), axes=AXES, interval="percentile")
+
+
+def test_a_fit_carries_the_interval_that_was_asked_for():
+    data = judged_by([1.0, 2.0, 4.0], noise_sd=5)
+    fit = confirm_axes(data, axis_values(), axes=AXES, level="ratio", interval="bootstrap", seed=3)
+    logs = np.log([one.ratio for one in fit.individual])
+    assert fit.interval == "bootstrap"
+    assert fit.population_ci95 == population_interval(logs, interval="bootstrap", seed=3)
 
 
 def test_a_compressed_slider_biases_a_ratio_fit_and_not_an_ordinal_one():
