@@ -1,16 +1,15 @@
-"""Sub-command `gloss compare`, and how the commands name a gloss space."""
+"""Sub-command `gloss compare`."""
 
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from glossspace.console import JsonFlag, note, print_json, print_table
-from glossspace.metric import PAPER_SPACE, GlossSpace
 from glossspace.metric.comparison import SpaceComparison, compare_spaces
+from glossspace.named_space import named_space, note_simulated_space
 
-__all__ = ["compare", "named_space", "note_simulated_space"]
+__all__ = ["compare"]
 
 
 def compare(a: str, b: str, /, *, json: JsonFlag = False) -> None:
@@ -41,29 +40,6 @@ def compare(a: str, b: str, /, *, json: JsonFlag = False) -> None:
         print_json(names | _document(found))
         return
     _print(found, spaces["a"].name, spaces["b"].name)
-
-
-def named_space(text: str) -> GlossSpace:
-    """Load the gloss space that a person named: a file, or "paper" where no file has that name.
-
-    Raises
-    ------
-    GlossError
-        The file is missing or no gloss space; see `GlossSpace.load`.
-    """
-    return PAPER_SPACE if text == "paper" and not Path(text).exists() else GlossSpace.load(text)
-
-
-def note_simulated_space(space: GlossSpace) -> None:
-    """Remark on stderr that a space rests on simulated participants, as far as its file says so."""
-    observers = space.provenance.get("observers")
-    names = observers if isinstance(observers, list | tuple) else [observers]
-    simulated = [name for name in names if "simulated" in str(name)]
-    if simulated:
-        note(
-            f"The space '{space.name}' rests on simulated participants ({len(simulated)} of {len(names)}). They embody "
-            "an answer: what they say of gloss was put into them."
-        )
 
 
 def _document(found: SpaceComparison) -> dict[str, Any]:

@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 
 from gloss_analysis.commands.observers import note_simulated, simulated_of
-from glossspace.compare_command import named_space, note_simulated_space
 from glossspace.console import JsonFlag, note, print_json, print_table
 from glossspace.errors import GlossError
+from glossspace.named_space import named_space, note_simulated_space
 
 if TYPE_CHECKING:
     from gloss_analysis.dissimilarity import Dissimilarities

@@ -29,6 +29,7 @@ from scipy.stats import rankdata
 from gloss_analysis.dissimilarity import Dissimilarities
 from gloss_analysis.mds.descent import Run, Start, descend_all
 from gloss_analysis.mds.disparities import Level, Ties
+from gloss_analysis.mds.exchange import distinct
 from gloss_analysis.mds.kernels import FIXED, Pairs
 from gloss_analysis.mds.line_interchange import climb
 from gloss_analysis.mds.line_order import best_points
@@ -211,15 +212,6 @@ def _descended(problem: Problem, lines: Sequence[np.ndarray], steps: int, relati
     return descend_all(problem, starts, model=FIXED, steps=steps, relative=relative, n_jobs=n_jobs)
 
 
-def _different(runs: Sequence[Run]) -> list[Run]:
-    """One run of each minimum, best first."""
-    kept = [runs[0]]
-    for run in runs[1:]:
-        if run.value > kept[-1].value * (1 + _SAME_STRESS) + _SAME_STRESS**2:
-            kept.append(run)
-    return kept
-
-
 def _climbed(
     problem: Problem, lines: Sequence[np.ndarray], effort: float, seed: np.random.SeedSequence, n_jobs: int
 ) -> list[Run]:
@@ -232,7 +224,7 @@ def _climbed(
     evaluations = int(effort * max(_INTERCHANGE_PAIRS / cost, min(2 * a_climb, _MOST_INTERCHANGE_PAIRS / cost)))
     if evaluations < _FEWEST_SWEEPS * sweep:
         return _polished(problem, [run.coordinates for run in runs[:_CLIMBS]], n_jobs)
-    different = _different(runs)
+    different = distinct(runs, _SAME_STRESS)
     climbs = int(np.clip(evaluations / a_climb, 1, min(_CLIMBS, len(different))))
     # Half of them the best, half spread over the others: interchange often gets further from a worse one.
     chosen = different[: (climbs + 1) // 2]

@@ -10,6 +10,7 @@ from scipy.spatial.distance import pdist
 
 from gloss_analysis.dissimilarity import Dissimilarities
 from gloss_analysis.mds import LEVELS, MODELS, TIES, scale
+from gloss_analysis.mds.diagnostics import check_scalable
 from glossspace.errors import GlossError
 from tests.analysis.studies import named
 
@@ -55,7 +56,11 @@ def test_a_solution_is_finite_and_its_numbers_agree(data, n_dims, model, assumed
             data, n_dims=n_dims, model=model, level=level, ties=ties, conditional=conditional, n_starts=n_starts
         )
     except GlossError:
-        return  # refused in words, as other tests check
+        # Only for one of these two reasons.
+        if n_dims <= len(data.stimuli) - 1:
+            with pytest.raises(GlossError, match="."):
+                check_scalable(data, level=level, ties=ties)
+        return
     for values in (solution.coordinates, solution.dimension_weights, solution.transforms, solution.distances):
         assert np.all(np.isfinite(values))
     assert 0 <= solution.stress1 <= 1
