@@ -77,3 +77,20 @@ def rendered_alone(tmp_path_factory: pytest.TempPathFactory) -> tuple[StimulusSe
     )
     assert done.returncode == 0, done.stderr
     return read_stimulus_set(folder / "out"), set(done.stdout.split())
+
+
+@pytest.fixture
+def _nothing_is_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    def solve(*arguments: object, **options: object) -> None:
+        raise AssertionError("nothing should be solved")
+
+    from gloss_stimuli import exact_renderer
+
+    monkeypatch.setattr(exact_renderer, "solve", solve)
+
+
+@pytest.fixture(scope="session")
+def finer(few_paints: Path, tmp_path_factory: pytest.TempPathFactory) -> StimulusSet:
+    """The same set from another seed, and from the two levels above those of `rendered`'s."""
+    out = tmp_path_factory.mktemp("finer") / "out"
+    return render_set(few_paints, out, size=64, seed=2, max_code_error=0.99, fraction=0.9)
