@@ -15,11 +15,8 @@ from glossspace.metric import (
     IsoglossContour,
     Paint,
     diffuse_reflectance,
-    from_physical,
     isogloss_contour,
     match_gloss,
-    max_contrast_gloss,
-    to_physical,
     within_paper_range,
 )
 
@@ -36,6 +33,7 @@ def convert(
     lightness: FiniteNumber | None = None,
     c: FiniteNumber | None = None,
     d: FiniteNumber | None = None,
+    space: Path | None = None,
     json: JsonFlag = False,
 ) -> None:
     """Convert a paint (rho_d, rho_s, alpha) to its appearance (lightness, c, d), or back.
@@ -45,6 +43,8 @@ def convert(
         gloss convert --rho-d .193 --rho-s .066 --alpha .07
 
         gloss convert --lightness 51.04 --c .087 --d .93 --json
+
+        gloss convert --rho-d .193 --rho-s .066 --alpha .07 --space gloss-space.json
 
     Parameters
     ----------
@@ -60,17 +60,18 @@ def convert(
         Contrast gloss, 0 to 1.
     d
         Distinctness of image, below 1.
+    space
+        A fitted gloss-space.json, whose axis functions may differ; the gloss paper's by default.
     """
+    gloss_space = _space(space)
     physical = {"--rho-d": rho_d, "--rho-s": rho_s, "--alpha": alpha}
     perceptual = {"--lightness": lightness, "--c": c, "--d": d}
     given_physical = [value for value in physical.values() if value is not None]
     given_perceptual = [value for value in perceptual.values() if value is not None]
     if len(given_physical) == 3 and not given_perceptual:
         paint = Paint(*given_physical)
-        appearance = from_physical(*paint)
     elif len(given_perceptual) == 3 and not given_physical:
-        paint = to_physical(*given_perceptual)
-        appearance = from_physical(*paint)
+        paint = gloss_space.paint(*given_perceptual)
     else:
         given = [name for name, value in (physical | perceptual).items() if value is not None]
         raise GlossError(
@@ -79,8 +80,8 @@ def convert(
         )
     result = {
         **paint._asdict(),
-        **appearance._asdict(),
-        "max_c": max_contrast_gloss(appearance.lightness),
+        **gloss_space.appearance(paint)._asdict(),
+        "max_c": gloss_space.contrast_form.value(paint.rho_d, 1 - np.asarray(paint.rho_d)),
         "within_paper_range": within_paper_range(paint.alpha),
     }
     _warn_outside_range(paint.alpha)
@@ -126,6 +127,7 @@ def match(
     *,
     rho_d: FiniteNumber | None = None,
     lightness: FiniteNumber | None = None,
+    space: Path | None = None,
     json: JsonFlag = False,
 ) -> None:
     """Paint of another lightness that looks as glossy as a reference (section 5.2 of the gloss paper).
@@ -134,7 +136,7 @@ def match(
 
         gloss match .767,.099,.04 --rho-d .03
 
-        gloss match .767,.099,.04 --lightness 51 --json
+        gloss match .767,.099,.04 --lightness 51 --space gloss-space.json --json
 
     Parameters
     ----------
@@ -144,15 +146,18 @@ def match(
         Diffuse reflectance of the wanted paint.
     lightness
         Or its CIELAB L*, 0 to 100.
+    space
+        A fitted gloss-space.json, whose axis functions may differ; the gloss paper's by default.
     """
+    gloss_space = _space(space)
     if rho_d is not None and lightness is None:
         target = rho_d
     elif lightness is not None and rho_d is None:
         target = float(diffuse_reflectance(lightness))
     else:
         raise GlossError("Give one of --rho-d and --lightness for the wanted paint.")
-    matched = match_gloss(_paint(reference), rho_d=target)
-    result = {**matched._asdict(), **from_physical(*matched)._asdict()}
+    matched = match_gloss(_paint(reference), rho_d=target, space=gloss_space)
+    result = {**matched._asdict(), **gloss_space.appearance(matched)._asdict(), "space": gloss_space.name}
     _warn_outside_range(matched.alpha)
     _show(result, as_json=json)
 

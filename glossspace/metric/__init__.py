@@ -16,6 +16,7 @@ from glossspace.metric.axes import (
     to_physical,
 )
 from glossspace.metric.envelope import fixed_energy_contrast_gloss, max_contrast_gloss
+from glossspace.metric.forms import ContrastForm, DistinctnessForm
 from glossspace.metric.isogloss import IsoglossContour, isogloss_contour
 from glossspace.metric.matching import match_gloss
 from glossspace.metric.space import PAPER_SPACE, AxisFunction, GlossSpace
@@ -26,6 +27,8 @@ __all__ = [
     "PAPER_SPACE",
     "Appearance",
     "AxisFunction",
+    "ContrastForm",
+    "DistinctnessForm",
     "GlossSpace",
     "IsoglossContour",
     "Paint",

@@ -7,16 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from glossspace.errors import GlossError
-from glossspace.metric.axes import Paint, contrast_gloss, distinctness
+from glossspace.metric.axes import Paint
+from glossspace.metric.common_paints import PARAMETERS, RangeOverlap, Spans, common_spans, overlap, paints, reflectances
 from glossspace.metric.space import AxisFunction, GlossSpace
-from glossspace.metric.validity import conserves_energy
 
 __all__ = ["DistanceDifference", "Estimate", "RangeOverlap", "SpaceComparison", "compare_spaces"]
 
 _NORMAL_95 = 1.959963984540054
-_PARAMETERS = ("rho_d", "rho_s", "alpha")
-# The gloss paper's Experiment 1 (section 3.2.3.1): where two spaces are compared that tell no range.
-_USUAL = {"rho_d": (0.03, 0.767), "rho_s": (0.033, 0.099), "alpha": (0.04, 0.1)}
 _SAME = 1e-9
 _NOTHING = 1e-100
 
@@ -43,28 +40,6 @@ class Estimate:
     log_ratio: float
     ratio_ci95: tuple[float, float] | None
     differs: bool | None
-
-
-@dataclass(frozen=True)
-class RangeOverlap:
-    """One parameter of the paints that were judged.
-
-    Attributes
-    ----------
-    parameter : str
-    a, b : (low, high) or None
-        None where the space does not tell.
-    common : (low, high) or None
-        What both cover, or the one that tells; None where they have nothing in common, or neither tells.
-    share : float or None
-        Length of the common part over that of both together; None unless both tell.
-    """
-
-    parameter: str
-    a: tuple[float, float] | None
-    b: tuple[float, float] | None
-    common: tuple[float, float] | None
-    share: float | None
 
 
 @dataclass(frozen=True)
@@ -98,7 +73,8 @@ class SpaceComparison:
     Attributes
     ----------
     weight : Estimate
-        Of weight_d / weight_c.
+        Of weight_d / weight_c; where the axis functions of the two have other forms, and so other units, in the unit
+        that gives c and d of the common paints the extents that they have in a.
     slopes : mapping of axis to Estimate
         Relative slopes of the ratings, for each axis rated in both: slope over the rating in the middle of the common
         range, so that the unit of the ratings drops out.
@@ -140,8 +116,8 @@ def compare_spaces(a: GlossSpace, b: GlossSpace, *, n: int = 5) -> SpaceComparis
     -----
     The interval of a ratio takes the two values' logarithms as normal and independent. Half the width of each 95 %
     interval counts as 1.96 standard errors; those of t are wider, so that with few observers a difference is rather
-    missed than invented. The standard error of a slope's logarithm is sqrt((1 - r^2) / (r^2 (n - 2))); the error of the
-    rating in the middle, which is much smaller, is left out.
+    missed than invented. The standard error of a slope's logarithm is that of its interval over participants, or,
+    without one, sqrt((1 - r^2) / (r^2 (n - 2))); the error of the rating in the middle, much smaller, is left out.
 
     Examples
     --------
@@ -152,9 +128,10 @@ def compare_spaces(a: GlossSpace, b: GlossSpace, *, n: int = 5) -> SpaceComparis
     if isinstance(n, bool) or not isinstance(n, int) or not 2 <= n <= 12:
         raise GlossError(f"Invalid n = {n!r} values of each parameter in the grid. Allowed: a whole number, 2 to 12.")
     remarks: list[str] = []
-    ranges = tuple(_overlap(name, a, b) for name in _PARAMETERS)
-    grid = _grid_ranges(ranges, remarks)
-    weight = _weight(a, b, remarks)
+    ranges = tuple(overlap(name, a, b) for name in PARAMETERS)
+    grid = common_spans(ranges, remarks)
+    units = _units(a, b, grid, n, remarks)
+    weight = _weight(a, b, units["d"] / units["c"], remarks)
     slopes, r_squared = {}, {}
     for axis in ("c", "d"):
         ours, theirs = a.axis_functions.get(axis), b.axis_functions.get(axis)
@@ -164,14 +141,30 @@ def compare_spaces(a: GlossSpace, b: GlossSpace, *, n: int = 5) -> SpaceComparis
             continue
         r_squared[axis] = (ours.r_squared, theirs.r_squared)
         if grid is not None:
-            slopes[axis] = _slopes(axis, ours, theirs, _middle(axis, grid), remarks)
+            middles = (_middle(axis, grid, a), _middle(axis, grid, b))
+            slopes[axis] = _slopes(axis, (ours, theirs), middles, units[axis], remarks)
     distances = None if grid is None else _distances(a, b, grid, n)
     if grid is not None and distances is None:
         remarks.append("The common range holds no two paints that differ in gloss: distances are not compared.")
     return SpaceComparison(weight, slopes, r_squared, ranges, distances, tuple(remarks))
 
 
-def _weight(a: GlossSpace, b: GlossSpace, remarks: list[str]) -> Estimate:
+def _units(a: GlossSpace, b: GlossSpace, grid: Spans | None, n: int, remarks: list[str]) -> Mapping[str, float]:
+    """Extent of c and of d in b over that in a, along the common paints: 1 for equal forms, NaN where it is unknown."""
+    if a.contrast_form == b.contrast_form and a.distinctness_form == b.distinctness_form:
+        return {"c": 1.0, "d": 1.0}
+    forms = f"c = {a.contrast_form.text} and {b.contrast_form.text}, d = {a.distinctness_form.text} and "
+    remarks.append(f"The axis functions have other forms ({forms}{b.distinctness_form.text}).")
+    if grid is not None:
+        paint = Paint(*paints(grid, n).T)
+        extents = [np.ptp(np.asarray(space.coordinates(paint)), axis=1) for space in (a, b)]
+        if np.all(np.asarray(extents) > 0):
+            return dict(zip("cd", map(float, extents[1] / extents[0]), strict=True))
+    remarks.append("No common paints that differ along both axes make their units equal: weights are not compared.")
+    return {"c": math.nan, "d": math.nan}
+
+
+def _weight(a: GlossSpace, b: GlossSpace, factor: float, remarks: list[str]) -> Estimate:
     errors: list[float | None] = []
     for name, space in (("a", a), ("b", b)):
         ci95 = space.weight_d_ci95
@@ -186,12 +179,18 @@ def _weight(a: GlossSpace, b: GlossSpace, remarks: list[str]) -> Estimate:
             errors.append(None)
         else:
             errors.append((math.log(ci95[1]) - math.log(ci95[0])) / 2 / _NORMAL_95)
-    return _estimate(a.weight_d / a.weight_c, b.weight_d / b.weight_c, errors)
+    return _estimate(a.weight_d / a.weight_c, factor * b.weight_d / b.weight_c, errors)
 
 
-def _slopes(axis: str, a: AxisFunction, b: AxisFunction, middle: float, remarks: list[str]) -> Estimate:
+def _slopes(
+    axis: str,
+    functions: tuple[AxisFunction, AxisFunction],
+    middles: tuple[float, float],
+    unit: float,
+    remarks: list[str],
+) -> Estimate:
     values, errors = [], []
-    for name, one in (("a", a), ("b", b)):
+    for name, one, middle in zip("ab", functions, middles, strict=True):
         rating = one.intercept + one.slope * middle
         possible = one.slope > 0 and rating > 0
         if not possible:
@@ -200,11 +199,20 @@ def _slopes(axis: str, a: AxisFunction, b: AxisFunction, middle: float, remarks:
                 "common range; both must be above 0 to be compared as ratios."
             )
         values.append(one.slope / rating if possible else math.nan)
-        known = possible and one.n_stimuli > 2 and 0 < one.r_squared <= 1
-        errors.append(math.sqrt((1 - one.r_squared) / one.r_squared / (one.n_stimuli - 2)) if known else None)
+        errors.append(_slope_error(one) if possible else None)
+        known = errors[-1] is not None
         if possible and not known:
             remarks.append(f"How sure the slope along {axis} in {name} is cannot be told: it is taken as exact.")
-    return _estimate(values[0], values[1], errors)
+    return _estimate(values[0], unit * values[1], errors)
+
+
+def _slope_error(line: AxisFunction) -> float | None:
+    """Standard error of the logarithm of a slope, or None."""
+    if line.slope_ci95 is not None and line.slope_ci95[0] > 0:
+        return (math.log(line.slope_ci95[1]) - math.log(line.slope_ci95[0])) / 2 / _NORMAL_95
+    if line.n_stimuli > 2 and 0 < line.r_squared <= 1:
+        return math.sqrt((1 - line.r_squared) / line.r_squared / (line.n_stimuli - 2))
+    return None
 
 
 def _estimate(a: float, b: float, errors: list[float | None]) -> Estimate:
@@ -223,63 +231,16 @@ def _exp(value: float) -> float:
         return float(np.exp(value))
 
 
-def _overlap(parameter: str, a: GlossSpace, b: GlossSpace) -> RangeOverlap:
-    ours, theirs = a.stimulus_range.get(parameter), b.stimulus_range.get(parameter)
-    if ours is None or theirs is None:
-        return RangeOverlap(parameter, ours, theirs, ours or theirs, None)
-    low, high = max(ours[0], theirs[0]), min(ours[1], theirs[1])
-    if low > high:
-        return RangeOverlap(parameter, ours, theirs, None, 0.0)
-    whole = max(ours[1], theirs[1]) - min(ours[0], theirs[0])
-    return RangeOverlap(parameter, ours, theirs, (low, high), (high - low) / whole if whole > 0 else 1.0)
-
-
-def _grid_ranges(ranges: tuple[RangeOverlap, ...], remarks: list[str]) -> dict[str, tuple[float, float]] | None:
-    apart = [one.parameter for one in ranges if one.share is not None and one.common is None]
-    if apart:
-        remarks.append(
-            f"The judged paints have no {' and no '.join(apart)} in common: neither distances nor slopes are compared."
-        )
-        return None
-    for name, of in (("a", [one.a for one in ranges]), ("b", [one.b for one in ranges])):
-        if None in of:
-            unknown = ", ".join(one.parameter for one, span in zip(ranges, of, strict=True) if span is None)
-            remarks.append(f"The range of judged paints in {name} is not known ({unknown}).")
-    assumed = [one.parameter for one in ranges if one.common is None]
-    if assumed:
-        remarks.append(f"Of {', '.join(assumed)} neither range is known: that of the gloss paper's stimuli is taken.")
-    grid = {one.parameter: one.common or _USUAL[one.parameter] for one in ranges}
-    if not len(_reflectances(grid, 2)[0]):
-        remarks.append("The common range holds no possible paint (rho_d + rho_s > 1): only the weights are compared.")
-        return None
-    return grid
-
-
-def _middle(axis: str, grid: Mapping[str, tuple[float, float]]) -> float:
+def _middle(axis: str, grid: Spans, space: GlossSpace) -> float:
     if axis == "d":
-        return float(distinctness(sum(grid["alpha"]) / 2))
-    return float(np.mean(contrast_gloss(*_reflectances(grid, 2))))
+        return float(space.distinctness_form.value(sum(grid["alpha"]) / 2))
+    return float(np.mean(space.contrast_form.value(*reflectances(grid, 2))))
 
 
-def _reflectances(grid: Mapping[str, tuple[float, float]], n: int) -> tuple[np.ndarray, np.ndarray]:
-    """All possible combinations of n values of rho_d and of rho_s."""
-    rho_d, rho_s = (one.ravel() for one in np.meshgrid(*(_values(grid[name], n) for name in ("rho_d", "rho_s"))))
-    possible = conserves_energy(rho_d, rho_s)
-    return rho_d[possible], rho_s[possible]
-
-
-def _values(span: tuple[float, float], n: int) -> np.ndarray:
-    return np.unique(np.linspace(*span, n))
-
-
-def _distances(
-    a: GlossSpace, b: GlossSpace, grid: Mapping[str, tuple[float, float]], n: int
-) -> DistanceDifference | None:
-    rho_d, rho_s = _reflectances(grid, n)
-    alphas = _values(grid["alpha"], n)
-    paints = np.column_stack([np.tile(rho_d, len(alphas)), np.tile(rho_s, len(alphas)), np.repeat(alphas, len(rho_d))])
-    first, second = np.triu_indices(len(paints), 1)
-    one, other = Paint(*paints[first].T), Paint(*paints[second].T)
+def _distances(a: GlossSpace, b: GlossSpace, grid: Spans, n: int) -> DistanceDifference | None:
+    grid_paints = paints(grid, n)
+    first, second = np.triu_indices(len(grid_paints), 1)
+    one, other = Paint(*grid_paints[first].T), Paint(*grid_paints[second].T)
     ours, theirs = np.atleast_1d(a.distance(one, other)), np.atleast_1d(b.distance(one, other))
     largest = [float(np.max(distance, initial=0.0)) for distance in (ours, theirs)]
     if not all(0 < value < math.inf for value in largest):
@@ -293,6 +254,6 @@ def _distances(
     size = np.abs(logs)
     ties = np.flatnonzero(size >= size.max() - _SAME)
     worst = ties[np.argmax(ours[ties])]
-    here, there = (Paint(*map(float, paints[index[apart[worst]]])) for index in (first, second))
+    here, there = (Paint(*map(float, grid_paints[index[apart[worst]]])) for index in (first, second))
     ratio = _exp(float(logs[worst]))
-    return DistanceDifference(here, there, ratio, ratio - 1, _exp(float(np.median(size))), len(paints))
+    return DistanceDifference(here, there, ratio, ratio - 1, _exp(float(np.median(size))), len(grid_paints))

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from scipy.special import cosdg, sindg
 
 from glossspace.errors import GlossError
-from glossspace.metric.axes import Paint, is_paintable, roughness_alpha, specular_reflectance
+from glossspace.metric.axes import Paint
 from glossspace.metric.space import PAPER_SPACE, GlossSpace
 from glossspace.metric.validity import FloatArray, as_floats, within_paper_range
 
@@ -30,7 +30,8 @@ class IsoglossContour:
     rho_s, alpha : ndarray, shape (n,)
         The paint at each point; NaN where none exists.
     reachable : ndarray of bool, shape (n,)
-        False where no real paint of this rho_d has the coordinates: c < 0, d >= 1, or rho_d + rho_s > 1.
+        False where no real paint of this rho_d has the coordinates: c < 0, d at or above that of a perfect mirror (1 in
+        the gloss paper), or rho_d + rho_s > 1.
     within_paper_range : ndarray of bool, shape (n,)
         False where alpha > 0.2, beyond what the gloss paper vouches for, and where no paint exists.
     """
@@ -61,7 +62,7 @@ def isogloss_contour(
     n : int
         Number of points, 3 to 1,000,000, at equal angles from 0 degrees.
     space : GlossSpace
-        Whose weights shape the contour.
+        Whose weights and axis functions shape the contour.
 
     Returns
     -------
@@ -94,9 +95,10 @@ def isogloss_contour(
     c = c_reference + distance / space.weight_c * cosdg(angle_deg)
     d = d_reference + distance / space.weight_d * sindg(angle_deg)
     # The inverse would refuse points beyond the envelope, so those become NaN first.
-    reachable = is_paintable(as_floats(paint_rho_d, name="rho_d"), c) & (d < 1)
-    rho_s = specular_reflectance(paint_rho_d, np.where(reachable, c, np.nan))
-    alpha = roughness_alpha(np.where(reachable, d, np.nan))
+    contrast, distinctness = space.contrast_form, space.distinctness_form
+    reachable = contrast.is_paintable(as_floats(paint_rho_d, name="rho_d"), c) & distinctness.has_lobe(d)
+    rho_s = contrast.specular_reflectance(paint_rho_d, np.where(reachable, c, np.nan))
+    alpha = distinctness.roughness_alpha(np.where(reachable, d, np.nan))
     return IsoglossContour(
         angle_deg=angle_deg,
         c=c,

@@ -6,13 +6,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from glossspace.errors import GlossError
-from glossspace.metric.axes import Paint, contrast_gloss, is_paintable, specular_reflectance
+from glossspace.metric.axes import Paint
+from glossspace.metric.space import PAPER_SPACE, GlossSpace
 from glossspace.metric.validity import as_float_arrays, require_roughness
 
 __all__ = ["match_gloss"]
 
 
-def match_gloss(reference: Paint, *, rho_d: ArrayLike, out_of_reach: Literal["raise", "mask"] = "raise") -> Paint:
+def match_gloss(
+    reference: Paint,
+    *,
+    rho_d: ArrayLike,
+    out_of_reach: Literal["raise", "mask"] = "raise",
+    space: GlossSpace = PAPER_SPACE,
+) -> Paint:
     """Paint of diffuse reflectance `rho_d` whose apparent gloss (c, d) equals that of `reference`.
 
     Parameters
@@ -24,11 +31,13 @@ def match_gloss(reference: Paint, *, rho_d: ArrayLike, out_of_reach: Literal["ra
     out_of_reach : {"raise", "mask"}
         What to do where no paint of this lightness can be that glossy, because it would reflect more than it receives:
         raise an error, or give NaN for rho_s and alpha there.
+    space : GlossSpace
+        Whose axis functions make gloss equal; its weights do not matter, since both coordinates are kept.
 
     Returns
     -------
     Paint
-        (rho_d, rho_s, alpha). Roughness is that of the reference, since d depends on it alone (eq. 3).
+        (rho_d, rho_s, alpha). Roughness is that of the reference, since d depends on it alone.
 
     Raises
     ------
@@ -47,8 +56,9 @@ def match_gloss(reference: Paint, *, rho_d: ArrayLike, out_of_reach: Literal["ra
         raise GlossError(f"Invalid out_of_reach = {out_of_reach!r}. Allowed: 'raise' and 'mask'.")
     reference_rho_d, rho_s, alpha, target = as_float_arrays(**reference._asdict(), wanted_rho_d=rho_d)
     require_roughness(alpha)
-    c, alpha, target = np.broadcast_arrays(contrast_gloss(reference_rho_d, rho_s), alpha, target)
+    form = space.contrast_form
+    c, alpha, target = np.broadcast_arrays(form.value(reference_rho_d, rho_s), alpha, target)
     if out_of_reach == "mask":
-        unreachable = ~is_paintable(target, c) & ~np.isnan(target + c)
+        unreachable = ~form.is_paintable(target, c) & ~np.isnan(target + c)
         c, alpha = np.where(unreachable, np.nan, c), np.where(unreachable, np.nan, alpha)
-    return Paint(target.copy()[()], specular_reflectance(target, c), alpha.copy()[()])
+    return Paint(target.copy()[()], form.specular_reflectance(target, c), alpha.copy()[()])

@@ -12,14 +12,14 @@ from numpy.typing import ArrayLike
 
 from glossspace.errors import GlossError
 from glossspace.files import read_json, write_json
-from glossspace.metric.axes import Paint, contrast_gloss, distinctness
+from glossspace.metric.axes import Appearance, Paint, diffuse_reflectance, lightness
+from glossspace.metric.forms import PAPER_CONTRAST, PAPER_DISTINCTNESS, ContrastForm, DistinctnessForm
 from glossspace.metric.validity import FloatArray, as_float_arrays, require
 
 __all__ = ["PAPER_SPACE", "AxisFunction", "GlossSpace"]
 
 _FORMAT = "glossspace/gloss-space"
-_VERSION = 1
-_FORMS = {"c": "cbrt(rho_s + rho_d/2) - cbrt(rho_d/2)", "d": "1 - alpha"}
+_VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -32,12 +32,16 @@ class AxisFunction:
         The least-squares line through the mean ratings and its squared correlation.
     n_stimuli : int
         How many stimuli the line was fitted to.
+    slope_ci95, intercept_ci95 : tuple of float, optional
+        95 % intervals over participants; None where there were too few.
     """
 
     slope: float
     intercept: float
     r_squared: float
     n_stimuli: int
+    slope_ci95: tuple[float, float] | None = None
+    intercept_ci95: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -61,6 +65,9 @@ class GlossSpace:
         The parameters that the judged stimuli spanned.
     provenance : mapping
         Where the space came from: data, observers (simulated or human), software, seed.
+    contrast_form, distinctness_form : ContrastForm, DistinctnessForm
+        How c and d depend on a paint; the gloss paper's by default. The unit of c and of d, and so what a weight means,
+        goes with the form.
 
     Examples
     --------
@@ -75,6 +82,13 @@ class GlossSpace:
     axis_functions: Mapping[str, AxisFunction] = field(default_factory=dict)
     stimulus_range: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    contrast_form: ContrastForm = PAPER_CONTRAST
+    distinctness_form: DistinctnessForm = PAPER_DISTINCTNESS
+
+    @property
+    def has_paper_forms(self) -> bool:
+        """Whether c and d are those of eqs 3 and 4."""
+        return self.contrast_form == PAPER_CONTRAST and self.distinctness_form == PAPER_DISTINCTNESS
 
     def __post_init__(self) -> None:
         for name, weight in (("weight_c", self.weight_c), ("weight_d", self.weight_d)):
@@ -95,8 +109,38 @@ class GlossSpace:
             A parameter of the paint is impossible.
         """
         rho_d, rho_s, alpha = as_float_arrays(**paint._asdict())
-        c, d = np.broadcast_arrays(contrast_gloss(rho_d, rho_s), distinctness(alpha))
+        c, d = np.broadcast_arrays(self.contrast_form.value(rho_d, rho_s), self.distinctness_form.value(alpha))
         return c.copy()[()], d.copy()[()]
+
+    def appearance(self, paint: Paint) -> Appearance:
+        """Appearance (L*, c, d) of a paint; in the gloss paper's space that of `from_physical`.
+
+        Raises
+        ------
+        GlossError
+            A parameter of the paint is impossible.
+        """
+        c, d = self.coordinates(paint)
+        rho_d = np.broadcast_to(paint.rho_d, np.shape(c))
+        return Appearance(lightness(rho_d), c, d)
+
+    def paint(self, lightness: ArrayLike, c: ArrayLike, d: ArrayLike) -> Paint:
+        """Paint of an appearance (L* 0-100, c, d), which broadcast: the inverse of `appearance`.
+
+        Raises
+        ------
+        GlossError
+            No paint looks like this; the message names the parameter and its value.
+
+        Examples
+        --------
+        >>> round(float(GlossSpace().paint(51.036, 0.08702, 0.93).rho_s), 3)
+        0.066
+        """
+        lightness, c, d = as_float_arrays(lightness=lightness, c=c, d=d)
+        rho_d = diffuse_reflectance(lightness)
+        rho_s, alpha = self.contrast_form.specular_reflectance(rho_d, c), self.distinctness_form.roughness_alpha(d)
+        return Paint(*(value.copy()[()] for value in np.broadcast_arrays(rho_d, rho_s, alpha)))
 
     def distance(self, paint_a: Paint, paint_b: Paint) -> FloatArray:
         """Gloss distance between paints (eq. 5); their lightness enters through c alone.
@@ -138,10 +182,14 @@ class GlossSpace:
     def save(self, path: str | Path) -> None:
         """Write the space as versioned JSON, whole or not at all."""
         axes = {}
-        for axis, weight, ci95 in (("c", self.weight_c, None), ("d", self.weight_d, self.weight_d_ci95)):
+        for axis, form, weight, ci95 in (
+            ("c", self.contrast_form, self.weight_c, None),
+            ("d", self.distinctness_form, self.weight_d, self.weight_d_ci95),
+        ):
             function = self.axis_functions.get(axis)
             axes[axis] = {
-                "form": _FORMS[axis],
+                "form": form.text,
+                "parameters": asdict(form),
                 "weight": weight,
                 "weight_ci95": None if ci95 is None else list(ci95),
                 "ratings": None if function is None else asdict(function),
@@ -172,9 +220,9 @@ class GlossSpace:
             raise GlossError(
                 f"'{path}' is not a gloss space: its format is {document.get('format')!r}, not '{_FORMAT}'."
             )
-        if document.get("version") != _VERSION:
+        if document.get("version") not in (1, _VERSION):
             raise GlossError(
-                f"'{path}' is a gloss space of version {document.get('version')!r}; this program reads version "
+                f"'{path}' is a gloss space of version {document.get('version')!r}; this program reads versions 1 and "
                 f"{_VERSION}. Update glossspace, or refit the space."
             )
         try:
@@ -188,12 +236,15 @@ class GlossSpace:
     @classmethod
     def _from_document(cls, document: dict[str, Any]) -> "GlossSpace":
         axes = document["axes"]
-        for axis, form in _FORMS.items():
-            if axes[axis]["form"] != form:
-                raise GlossError(f"axis {axis} has the unknown form {axes[axis]['form']!r}, not {form!r}")
+        forms: dict[str, Any] = {"c": PAPER_CONTRAST, "d": PAPER_DISTINCTNESS}
+        if document["version"] != 1:  # which knew no other forms
+            forms = {axis: type(form)(**axes[axis]["parameters"]) for axis, form in forms.items()}
+        for axis, form in forms.items():
+            if axes[axis]["form"] != form.text:
+                raise GlossError(f"axis {axis} has the unknown form {axes[axis]['form']!r}, not {form.text!r}")
         ci95 = axes["d"]["weight_ci95"]
         ranges = document.get("stimulus_range", {})
-        ratings = {axis: axes[axis].get("ratings") for axis in _FORMS}
+        ratings = {axis: axes[axis].get("ratings") for axis in forms}
         return cls(
             weight_c=axes["c"]["weight"],
             weight_d=axes["d"]["weight"],
@@ -202,6 +253,8 @@ class GlossSpace:
             axis_functions={axis: _axis_function(line) for axis, line in ratings.items() if line is not None},
             stimulus_range={key: (float(low), float(high)) for key, (low, high) in ranges.items()},
             provenance=dict(document.get("provenance", {})),
+            contrast_form=forms["c"],
+            distinctness_form=forms["d"],
         )
 
 
@@ -211,7 +264,16 @@ def _axis_function(line: Mapping[str, Any]) -> AxisFunction:
         intercept=float(line["intercept"]),
         r_squared=float(line["r_squared"]),
         n_stimuli=int(line["n_stimuli"]),
+        slope_ci95=_interval(line.get("slope_ci95")),
+        intercept_ci95=_interval(line.get("intercept_ci95")),
     )
+
+
+def _interval(value: Any) -> tuple[float, float] | None:
+    if value is None:
+        return None
+    low, high = value
+    return float(low), float(high)
 
 
 def _is_finite_number(value: object) -> bool:

@@ -141,13 +141,33 @@ class TestFile:
         REFITTED.save(tmp_path / "s.json")
         document = json.loads((tmp_path / "s.json").read_text(encoding="utf-8"))
         assert document["format"] == "glossspace/gloss-space"
-        assert document["version"] == 1
+        assert document["version"] == 2
         assert document["axes"]["d"] == {
             "form": "1 - alpha",
+            "parameters": {"exponent": 1.0, "offset": 0.0},
             "weight": 1.9125,
             "weight_ci95": [1.7, 2.1],
-            "ratings": {"slope": 5.0, "intercept": -0.25, "r_squared": 0.96, "n_stimuli": 11},
+            "ratings": {
+                "slope": 5.0,
+                "intercept": -0.25,
+                "r_squared": 0.96,
+                "n_stimuli": 11,
+                "slope_ci95": None,
+                "intercept_ci95": None,
+            },
         }
+
+    def test_a_file_of_version_1_still_opens(self, tmp_path):
+        """Written as the first version did: without parameters of the forms, and without intervals of the ratings."""
+
+        def change(document):
+            document["version"] = 1
+            for axis in document["axes"].values():
+                del axis["parameters"]
+                for key in ("slope_ci95", "intercept_ci95"):
+                    (axis["ratings"] or {}).pop(key, None)
+
+        assert self.load_changed(tmp_path, change) == REFITTED
 
     def test_a_byte_order_mark_does_no_harm(self, tmp_path):
         REFITTED.save(tmp_path / "s.json")
@@ -177,7 +197,17 @@ class TestFile:
         [
             (lambda d: d.update(format="psych-ds"), "is not a gloss space: its format is 'psych-ds'"),
             (lambda d: d.pop("format"), "is not a gloss space: its format is None"),
-            (lambda d: d.update(version=2), "is a gloss space of version 2; this program reads version 1. Update"),
+            (
+                lambda d: d.update(version=3),
+                "is a gloss space of version 3; this program reads versions 1 and 2. Update",
+            ),
+            (lambda d: d["axes"]["c"]["parameters"].update(exponent=9), "cannot be used: Invalid exponent = 9 of"),
+            (
+                lambda d: d["axes"]["c"]["parameters"].update(exponent=0.5),
+                "cannot be used: axis c has the unknown form",
+            ),
+            (lambda d: d["axes"]["c"]["parameters"].update(slope=1), "cannot be used: .*unexpected keyword"),
+            (lambda d: d["axes"]["c"].pop("parameters"), "cannot be used: 'parameters' is missing"),
             (lambda d: d.update(version="1"), "is a gloss space of version '1'"),
             (lambda d: d.pop("axes"), "cannot be used: 'axes' is missing. Restore"),
             (lambda d: d.pop("name"), "cannot be used: 'name' is missing. Restore"),
