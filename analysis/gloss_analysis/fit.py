@@ -1,27 +1,28 @@
 """A gloss space from judgements: the weights by confirmatory MDS, the axis functions by regression of ratings."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from gloss_analysis.confirmatory import ConfirmatoryFit, confirm_axes
+from gloss_analysis.axis_forms import FormChoice, Forms
+from gloss_analysis.confirmatory import ConfirmatoryFit, Interval, confirm_axes
+from gloss_analysis.coordinates import axis_coordinates
 from gloss_analysis.dissimilarity import Dissimilarities
-from gloss_analysis.magnitude import AxisRegression, mean_ratings, regress_ratings
 from gloss_analysis.mds.disparities import Level, Ties
+from gloss_analysis.polynomials import AxisRegression
+from gloss_analysis.rating_fit import RatingsFit, fit_ratings, one_lightness
 from glossspace.errors import GlossError
-from glossspace.metric import PAPER_SPACE, AxisFunction, GlossSpace, contrast_gloss, distinctness
+from glossspace.metric import PAPER_SPACE, GlossSpace
 
 __all__ = [
     "AxisFunctionsFit",
     "GlossSpaceFit",
-    "axis_coordinates",
     "fit_axis_functions",
     "fit_gloss_space",
     "labelled_observers",
-    "rated_along",
 ]
 
 # Values that differ by less than this part of the largest are equal but for rounding.
@@ -37,12 +38,15 @@ class AxisFunctionsFit:
     space : GlossSpace
     regressions : mapping of str to AxisRegression
         Of the mean ratings, for each axis that was rated.
+    forms : mapping of str to FormChoice
+        The forms that were tried for each of them, and the one that was taken.
     warnings : tuple of str
         What the data leave open, and what was odd in them.
     """
 
     space: GlossSpace
     regressions: Mapping[str, AxisRegression]
+    forms: Mapping[str, FormChoice]
     warnings: tuple[str, ...]
 
 
@@ -66,6 +70,9 @@ def fit_gloss_space(
     *,
     level: Level = "ordinal",
     ties: Ties = "primary",
+    interval: Interval = "t",
+    seed: int = 1,
+    forms: Forms = "chosen",
     name: str = "fitted",
     provenance: Mapping[str, Any] | None = None,
 ) -> GlossSpaceFit:
@@ -79,8 +86,11 @@ def fit_gloss_space(
         Judged differences in gloss.
     ratings : mapping of {"c", "d"} to DataFrame
         Magnitude estimates (`participant_id`, `stimulus`, `rating`) of a study that varied this axis. May be empty.
-    level, ties
-        Of the confirmatory analysis; see `gloss_analysis.mds.scale`.
+    level, ties, interval, seed
+        Of the confirmatory analysis; see `gloss_analysis.confirmatory.confirm_axes`.
+    forms : {"chosen", "paper"}
+        Whether the axis functions may have exponents, shares and offsets of their own, where cross-validation of the
+        ratings and the stress of the pairs speak for them; see `choose_form`.
     name : str
         Name of the space.
     provenance : mapping, optional
@@ -89,7 +99,7 @@ def fit_gloss_space(
     Returns
     -------
     GlossSpaceFit
-        weight_c is 1 and weight_d the geometric mean of the participants' axis ratios, with its 95 % t interval.
+        weight_c is 1 and weight_d the geometric mean of the participants' axis ratios, with its 95 % interval.
 
     Raises
     ------
@@ -108,30 +118,37 @@ def fit_gloss_space(
     >>> fit_gloss_space(paints, judged, {}, level="ratio").space.weight_d  # doctest: +SKIP
     1.78
     """
-    coordinates = axis_coordinates(stimuli, list(pairs.stimuli))
-    _require_both_axes(coordinates)
-    confirmatory = confirm_axes(pairs, coordinates[["c", "d"]].to_numpy(), axes=("c", "d"), level=level, ties=ties)
-    regressions, remarks = _regressions(stimuli, ratings)
+    _require_both_axes(axis_coordinates(stimuli, list(pairs.stimuli)))
+
+    def confirmed(space: GlossSpace) -> ConfirmatoryFit:
+        coordinates = axis_coordinates(stimuli, list(pairs.stimuli), space)[["c", "d"]].to_numpy()
+        return confirm_axes(pairs, coordinates, axes=("c", "d"), level=level, ties=ties, interval=interval, seed=seed)
+
+    rated = fit_ratings(stimuli, ratings, forms=forms, stress_of=lambda space: confirmed(space).shared.stress1)
+    confirmatory = confirmed(rated.space)
     judged = set(pairs.stimuli).union(*(table["stimulus"] for table in ratings.values()))
-    space = GlossSpace(
+    space = replace(
+        rated.space,
         weight_c=1.0,
         weight_d=confirmatory.population_ratio,
         name=name,
         weight_d_ci95=confirmatory.population_ci95,
-        axis_functions=_axis_functions(regressions),
         stimulus_range=_spanned(stimuli, judged),
         provenance=dict(provenance or {})
-        | {"level": level, "ties": ties, "participants": _everyone(pairs.participants, ratings)}
-        | {"sources": ["pairs", *(["magnitudes"] if ratings else [])], "weight_d_fitted": True},
+        | {"level": level, "ties": ties, "interval": interval, "participants": _everyone(pairs.participants, ratings)}
+        | {"sources": ["pairs", *(["magnitudes"] if ratings else [])], "weight_d_fitted": True}
+        | {"forms": _forms_tried(rated)},
     )
-    unseen = _one_lightness(stimuli, pairs.stimuli, "judged in pairs")
-    return GlossSpaceFit(space, regressions, (*confirmatory.warnings, *unseen, *remarks), confirmatory)
+    unseen = one_lightness(stimuli, pairs.stimuli, "judged in pairs")
+    warnings = (*confirmatory.warnings, *unseen, *rated.remarks)
+    return GlossSpaceFit(space, rated.regressions, rated.forms, warnings, confirmatory)
 
 
 def fit_axis_functions(
     stimuli: pd.DataFrame,
     ratings: Mapping[str, pd.DataFrame],
     *,
+    forms: Forms = "chosen",
     name: str = "fitted",
     provenance: Mapping[str, Any] | None = None,
 ) -> AxisFunctionsFit:
@@ -145,7 +162,7 @@ def fit_axis_functions(
         Columns `stimulus`, `rho_d`, `rho_s`, `alpha`: all stimuli that were rated.
     ratings : mapping of {"c", "d"} to DataFrame
         Magnitude estimates (`participant_id`, `stimulus`, `rating`) of a study that varied this axis; at least one.
-    name, provenance
+    forms, name, provenance
         As of `fit_gloss_space`.
 
     Returns
@@ -168,18 +185,19 @@ def fit_axis_functions(
     """
     if not ratings:
         raise GlossError("There are no ratings to fit axis functions to.")
-    regressions, remarks = _regressions(stimuli, ratings)
+    rated = fit_ratings(stimuli, ratings, forms=forms)
     space = replace(
-        PAPER_SPACE,
+        rated.space,
         name=name,
-        axis_functions=_axis_functions(regressions),
         stimulus_range=_spanned(stimuli, set().union(*(table["stimulus"] for table in ratings.values()))),
         provenance=dict(provenance or {})
         | {"participants": _everyone((), ratings), "sources": ["magnitudes"]}
-        | {"weight_d_fitted": False, "weight_d_from": PAPER_SPACE.name},
+        | {"weight_d_fitted": False, "weight_d_from": PAPER_SPACE.name, "forms": _forms_tried(rated)},
     )
-    unfitted = f"Without judged pairs the weight of d was not fitted: {space.weight_d:g} is the gloss paper's."
-    return AxisFunctionsFit(space, regressions, (unfitted, *remarks))
+    unfitted = [f"Without judged pairs the weight of d was not fitted: {space.weight_d:g} is the gloss paper's."]
+    if not space.has_paper_forms:
+        unfitted.append("It belongs to the gloss paper's axis functions, and these have other units: judge pairs.")
+    return AxisFunctionsFit(space, rated.regressions, rated.forms, (*unfitted, *rated.remarks))
 
 
 def labelled_observers(participants: Sequence[str], simulated: Collection[str]) -> list[str]:
@@ -199,37 +217,6 @@ def labelled_observers(participants: Sequence[str], simulated: Collection[str]) 
     return [f"{name} (simulated)" if name in simulated else name for name in participants]
 
 
-def axis_coordinates(stimuli: pd.DataFrame, names: list[str]) -> pd.DataFrame:
-    """Coordinates c and d of the named stimuli, one row each in the order of `names`.
-
-    Raises
-    ------
-    GlossError
-        A name is not among the stimuli, or its parameters are impossible.
-    """
-    indexed = stimuli.drop_duplicates("stimulus").set_index("stimulus")
-    unknown = [name for name in names if name not in indexed.index]
-    if unknown:
-        raise GlossError(
-            f"The stimulus {unknown[0]!r} was judged, but its rho_d, rho_s and alpha are not known "
-            f"({len(unknown)} such). Give a table (`--stimuli`) or the stimulus set that describes it."
-        )
-    chosen = indexed.loc[names]
-    return pd.DataFrame(
-        {
-            "stimulus": names,
-            "c": contrast_gloss(chosen["rho_d"].to_numpy(), chosen["rho_s"].to_numpy()),
-            "d": distinctness(chosen["alpha"].to_numpy()),
-        }
-    )
-
-
-def rated_along(stimuli: pd.DataFrame, table: pd.DataFrame) -> pd.DataFrame:
-    """Mean ratings beside the coordinates: the columns of `mean_ratings`, `c` and `d`."""
-    means = mean_ratings(table)
-    return means.merge(axis_coordinates(stimuli, list(means["stimulus"])), on="stimulus", validate="one_to_one")
-
-
 def _require_both_axes(coordinates: pd.DataFrame) -> None:
     for axis, of in (("c", "rho_d and rho_s"), ("d", "alpha")):
         if np.ptp(coordinates[axis]) <= _SAME:
@@ -240,55 +227,6 @@ def _require_both_axes(coordinates: pd.DataFrame) -> None:
             )
 
 
-def _regressions(
-    stimuli: pd.DataFrame, ratings: Mapping[str, pd.DataFrame]
-) -> tuple[dict[str, AxisRegression], list[str]]:
-    """Regress the mean ratings along each axis, and remark on what they leave open."""
-    regressions, remarks = {}, []
-    for axis, table in ratings.items():
-        if axis not in ("c", "d"):
-            raise GlossError(f"Ratings along {axis!r} are not known. Allowed: c or d.")
-        try:
-            rated = rated_along(stimuli, table)
-            if np.ptp(rated["rating"]) <= _SAME * np.abs(rated["rating"]).max():
-                same = f"all stimuli have the same mean rating, {rated['rating'].iloc[0]:g}"
-                raise GlossError(f"{same}, and there is nothing to fit. Check those sessions, or leave them out.")
-            regressions[axis] = regress_ratings(rated[axis].to_numpy(), rated["rating"].to_numpy())
-        except GlossError as error:
-            raise GlossError(f"Ratings along {axis}: {error}") from None
-        remarks += _remarks(axis, table, rated, regressions[axis].slope)
-        if axis == "c":
-            remarks += _one_lightness(stimuli, rated["stimulus"], "rated along c")
-    return regressions, remarks
-
-
-def _remarks(axis: str, table: pd.DataFrame, rated: pd.DataFrame, slope: float) -> list[str]:
-    remarks = []
-    flat = [str(name) for name, own in table.groupby("participant_id", sort=False)["rating"] if np.ptp(own) == 0]
-    if flat:
-        remarks.append(f"Gave all stimuli the same rating along {axis}: {', '.join(flat)}.")
-    if slope < 0:
-        remarks.append(f"Ratings fall along {axis}, where gloss rises. Was the scale reversed?")
-    other = "d" if axis == "c" else "c"
-    if np.ptp(rated[other]) > _SAME:
-        remarks.append(f"The stimuli rated along {axis} differ in {other} too, which its line does not account for.")
-    return remarks
-
-
-def _one_lightness(stimuli: pd.DataFrame, names: Collection[str], how: str) -> list[str]:
-    reflectances = stimuli.loc[stimuli["stimulus"].isin(list(names)), "rho_d"].unique()
-    if len(reflectances) > 1:
-        return []
-    form = "how c depends on lightness cannot be told from them, and its form is the gloss paper's"
-    return [f"The stimuli {how} have one lightness (rho_d {reflectances[0]:g}): {form}."]
-
-
-def _axis_functions(regressions: Mapping[str, AxisRegression]) -> dict[str, AxisFunction]:
-    return {
-        axis: AxisFunction(fit.slope, fit.intercept, fit.r_squared, fit.n_stimuli) for axis, fit in regressions.items()
-    }
-
-
 def _spanned(stimuli: pd.DataFrame, judged: set[str]) -> dict[str, tuple[float, float]]:
     known = stimuli[stimuli["stimulus"].isin(judged)]
     return {key: (float(known[key].min()), float(known[key].max())) for key in ("rho_d", "rho_s", "alpha")}
@@ -296,3 +234,24 @@ def _spanned(stimuli: pd.DataFrame, judged: set[str]) -> dict[str, tuple[float, 
 
 def _everyone(judges: Sequence[str], ratings: Mapping[str, pd.DataFrame]) -> list[str]:
     return list(dict.fromkeys([*judges, *(str(one) for table in ratings.values() for one in table["participant_id"])]))
+
+
+def _forms_tried(rated: RatingsFit) -> dict[str, list[dict[str, Any]]]:
+    """What was tried for each axis, for the file."""
+    return {
+        axis: [
+            {
+                "form": one.form.text,
+                "free": list(one.free),
+                "parameters": asdict(one.form),
+                "r_squared": one.r_squared,
+                "leave_one_out_error": one.leave_one_out_error,
+                "aicc": one.aicc if np.isfinite(one.aicc) else None,
+                "ci95": {name: list(interval) for name, interval in one.ci95.items()},
+                "at_limit": list(one.at_limit),
+                "taken": one is choice.chosen,
+            }
+            for one in choice.candidates
+        ]
+        for axis, choice in rated.forms.items()
+    }

@@ -14,7 +14,7 @@ from scipy.stats import t as student_t
 
 from glossspace.errors import GlossError
 
-__all__ = ["AxisRegression", "PolynomialFit", "fit_polynomials", "polynomial_sentence", "regress_ratings"]
+__all__ = ["AxisRegression", "PolynomialFit", "aicc", "fit_polynomials", "polynomial_sentence", "regress_ratings"]
 
 # The gloss paper's limit (3.3.4): "Polynomial fits only increased r2 by less than 0.01".
 _LINEAR_GAIN = 0.01
@@ -241,11 +241,31 @@ def _fit(x: np.ndarray, y: np.ndarray, order: int) -> PolynomialFit:
         r_squared=r_squared,
         adjusted_r_squared=1 - (1 - r_squared) * (n - 1) / free if free > 0 else np.nan,
         leave_one_out_error=float(np.sqrt(np.mean((residual / (1 - leverage)) ** 2))) if known else np.nan,
-        aicc=_aicc(rest, n, order + 2),
+        aicc=aicc(rest, n, order + 2),
     )
 
 
-def _aicc(rest: float, n: int, k: int) -> float:
+def aicc(rest: float, n: int, k: int) -> float:
+    """Akaike's criterion for small samples of a least-squares fit, up to a constant.
+
+    Parameters
+    ----------
+    rest : float
+        Sum of squared residuals, >= 0.
+    n, k : int
+        Ratings, and estimated numbers with the variance of the residuals among them.
+
+    Returns
+    -------
+    float
+        n ln(rest / n) + 2 k + 2 k (k + 1) / (n - k - 1) (Hurvich and Tsai 1989); NaN with too few ratings, -inf for a
+        perfect fit.
+
+    Examples
+    --------
+    >>> aicc(8.0, 8, 2)
+    6.4
+    """
     if n - k - 1 <= 0:
         return np.nan
     return float((n * np.log(rest / n) if rest > 0 else -np.inf) + 2 * k + 2 * k * (k + 1) / (n - k - 1))

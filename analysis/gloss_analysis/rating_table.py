@@ -6,7 +6,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 import pandas as pd
 
-from gloss_analysis.fit import axis_coordinates
+from gloss_analysis.coordinates import axis_coordinates
 from glossspace.errors import GlossError
 from glossspace.user_table import read_user_table
 

@@ -8,7 +8,7 @@ import pandas as pd
 from gloss_analysis.dissimilarity import Dissimilarities
 from glossspace.metric import contrast_gloss, distinctness
 
-__all__ = ["EXPERIMENT_1", "STIMULI", "axis_values", "judged_by", "named"]
+__all__ = ["CONTRAST", "DOI", "EXPERIMENT_1", "STIMULI", "axis_values", "judged_by", "named"]
 
 EXPERIMENT_1 = pd.DataFrame(
     [
@@ -20,6 +20,26 @@ EXPERIMENT_1 = pd.DataFrame(
     columns=["stimulus", "rho_d", "rho_s", "alpha"],
 )
 """The 27 stimuli of the gloss paper's Experiment 1 (section 3.2.3.1)."""
+
+CONTRAST = pd.DataFrame(
+    [
+        (f"contrast{index}", rho_d, rho_s, 0.04)
+        for index, (rho_d, rho_s) in enumerate(
+            itertools.product((0.03, 0.087, 0.193, 0.420, 0.767), (0.017, 0.033, 0.050, 0.066, 0.083, 0.099))
+        )
+    ],
+    columns=["stimulus", "rho_d", "rho_s", "alpha"],
+)
+"""The grid of the contrast study of Experiment 2 (section 3.3.3), all 30 of it."""
+
+DOI = pd.DataFrame(
+    [
+        (f"doi{index}", 0.03, 0.099, alpha)
+        for index, alpha in enumerate((0.01, 0.028, 0.046, 0.064, 0.082, 0.1, 0.118, 0.136, 0.154, 0.172, 0.19))
+    ],
+    columns=["stimulus", "rho_d", "rho_s", "alpha"],
+)
+"""Eleven equal steps of alpha over the range of the distinctness study of Experiment 2."""
 
 STIMULI = EXPERIMENT_1["stimulus"].tolist()[:8]
 """Names of eight of them, for what need not be large."""

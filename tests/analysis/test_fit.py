@@ -4,11 +4,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from gloss_analysis.coordinates import axis_coordinates, rated_along
 from gloss_analysis.dissimilarity import Dissimilarities
-from gloss_analysis.fit import fit_axis_functions, fit_gloss_space, rated_along
+from gloss_analysis.fit import fit_axis_functions, fit_gloss_space
 from glossspace.errors import GlossError
-from glossspace.metric import GlossSpace
-from tests.analysis.studies import EXPERIMENT_1, axis_values, judged_by
+from glossspace.metric import ContrastForm, GlossSpace, Paint
+from tests.analysis.studies import CONTRAST, EXPERIMENT_1, axis_values, judged_by
 
 
 def pairs(ratios):
@@ -124,3 +125,49 @@ def test_ratings_stand_beside_their_coordinates():
     expected = dict(zip(EXPERIMENT_1["stimulus"], axis_values()[:, 1], strict=True))
     assert rated["d"].tolist() == pytest.approx([expected[name] for name in rated["stimulus"]], rel=1e-12)
     assert np.allclose(rated["rating"], 10 + 50 * rated["d"])
+
+
+class TestAnotherScene:
+    """Simulated judgements of a scene whose gloss has other axis functions than the paper's."""
+
+    SPACE = GlossSpace(weight_d=0.9, contrast_form=ContrastForm(exponent=0.6, diffuse_share=0.2))
+    PAINTS = pd.concat([EXPERIMENT_1, CONTRAST])
+
+    def judged(self, space):
+        names = list(EXPERIMENT_1["stimulus"])
+        c, d = axis_coordinates(self.PAINTS, names, space)[["c", "d"]].to_numpy().T
+        first, second = np.triu_indices(len(names), 1)
+        distance = space.distance_between(c[first], d[first], c[second], d[second])
+        return Dissimilarities(tuple(names), ("simulated-1", "simulated-2"), np.tile(distance, (2, 1)))
+
+    def rated(self):
+        values = 10 + 200 * self.SPACE.contrast_form.value(CONTRAST["rho_d"], CONTRAST["rho_s"])
+        return pd.DataFrame({"participant_id": "simulated-1", "stimulus": CONTRAST["stimulus"], "rating": values})
+
+    def test_its_axis_functions_and_weight_are_found_and_used(self, tmp_path):
+        fitted = fit_gloss_space(self.PAINTS, self.judged(self.SPACE), {"c": self.rated()}, level="ratio")
+        fitted.space.save(tmp_path / "space.json")
+        space = GlossSpace.load(tmp_path / "space.json")
+        assert space == fitted.space
+        # 1e-4: what the search leaves of the exponent (see test_axis_forms) goes over into the unit of c
+        assert space.weight_d == pytest.approx(0.9, rel=1e-4)
+        one, other = Paint(0.1, 0.05, 0.05), Paint(0.4, 0.08, 0.09)
+        assert space.distance(one, other) == pytest.approx(self.SPACE.distance(one, other), rel=1e-4)
+        taken = [row for row in space.provenance["forms"]["c"] if row["taken"]]
+        assert [row["free"] for row in taken] == [["exponent", "diffuse_share"]]
+
+    def test_without_pairs_the_paper_s_weight_is_said_to_be_in_other_units(self):
+        fitted = fit_axis_functions(self.PAINTS, {"c": self.rated()})
+        assert fitted.space.contrast_form.exponent == pytest.approx(0.6, rel=1e-3)
+        assert any("these have other units: judge pairs" in warning for warning in fitted.warnings)
+
+    def test_pairs_that_follow_the_paper_keep_its_form_however_curved_the_ratings(self):
+        fitted = fit_gloss_space(self.PAINTS, self.judged(GlossSpace()), {"c": self.rated()}, level="ratio")
+        assert fitted.space.has_paper_forms
+        assert "stress of the judged pairs would rise" in fitted.forms["c"].sentence
+        assert fitted.space.weight_d == pytest.approx(1.78, abs=1e-6)
+
+    def test_the_paper_s_forms_can_be_asked_for(self):
+        fitted = fit_gloss_space(self.PAINTS, self.judged(self.SPACE), {"c": self.rated()}, forms="paper")
+        assert fitted.space.has_paper_forms
+        assert len(fitted.forms["c"].candidates) == 1

@@ -1,18 +1,20 @@
 """gloss fit: a gloss space from judgements."""
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Literal
 
 import pandas as pd
 
 from gloss_analysis.commands.observers import note_simulated, simulated_of
-from glossspace.console import JsonFlag, note, print_json, print_table
+from glossspace.console import JsonFlag, Seed, note, print_json, print_table
 from glossspace.errors import GlossError
 from glossspace.files import check_file_target
 
 if TYPE_CHECKING:  # for the annotations: the analysis itself is imported once it runs
+    from gloss_analysis.axis_forms import FormChoice
     from gloss_analysis.dissimilarity import Dissimilarities
     from gloss_analysis.fit import AxisFunctionsFit
 
@@ -50,13 +52,20 @@ def fit(
     pairs: Path | None = None,
     magnitudes: Path | None = None,
     stimuli: Path | None = None,
+    forms: Literal["chosen", "paper"] = "chosen",
+    level: Literal["ratio", "interval", "spline", "ordinal"] = "ordinal",
+    ties: Literal["primary", "secondary"] = "primary",
+    interval: Literal["t", "bootstrap"] = "t",
+    seed: Seed = 1,
     json: JsonFlag = False,
 ) -> None:
     """Fit a gloss space to judged pairs, to magnitude estimates, or to both: of a dataset, or of tables of any study.
 
     Pairs give the weight of distinctness d over that of contrast gloss c. Ratings
-    give the axis functions; without pairs the weight remains the gloss paper's
-    1.78, and the output says that it was not fitted.
+    give the axis functions: the gloss paper's forms, or the same with another
+    exponent, diffuse share or offset where left-out stimuli and pairs speak for
+    it. Without pairs the weight remains the gloss paper's 1.78, and the output
+    says that it was not fitted.
 
     Examples:
 
@@ -81,6 +90,16 @@ def fit(
         not tell which axis the study varied.
     stimuli
         A CSV file with the columns stimulus, rho_d, rho_s, alpha. By default what the dataset itself recorded.
+    forms
+        Of the axis functions: chosen by cross-validation, or the gloss paper's alone.
+    level
+        What of the judged pairs is trusted: their order, their intervals, their ratios.
+    ties
+        Ordinal only: primary lets equal judgements differ in distance, secondary does not.
+    interval
+        Of the weight of d: Student's on logarithms, or a studentised bootstrap over participants.
+    seed
+        Of the bootstrap.
     """
     from gloss_analysis.fit import fit_axis_functions, fit_gloss_space, labelled_observers
 
@@ -102,9 +121,12 @@ def fit(
     provenance = {"observers": labelled_observers(given.participants, given.simulated)}
     fitted: AxisFunctionsFit
     if given.pairs is None:
-        fitted = fit_axis_functions(given.stimuli, given.ratings, name=given.name, provenance=provenance)
+        fitted = fit_axis_functions(given.stimuli, given.ratings, forms=forms, name=given.name, provenance=provenance)
     else:
-        fitted = fit_gloss_space(given.stimuli, given.pairs, given.ratings, name=given.name, provenance=provenance)
+        fitted = fit_gloss_space(
+            given.stimuli, given.pairs, given.ratings, level=level, ties=ties, interval=interval, seed=seed,
+            forms=forms, name=given.name, provenance=provenance,
+        )  # fmt: skip
     simulated = [name for name in given.participants if name in given.simulated]
     note_simulated(simulated, given.participants)
     fitted.space.save(out)
@@ -175,6 +197,7 @@ def _show(
                 "weight_d_fitted": was_fitted,
                 "sources": space.provenance["sources"],
                 "r_squared": {axis: one.r_squared for axis, one in fitted.regressions.items()},
+                "axis_functions": {axis: _axis_document(fitted, axis) for axis in fitted.regressions},
                 "simulated": simulated,
                 "warnings": warnings,
             }
@@ -187,6 +210,36 @@ def _show(
         line = (("slope", one.slope), ("intercept", one.intercept), ("r²", one.r_squared))
         rows += [(f"{what} of the ratings along {axis}", value) for what, value in line]
     print_table(pd.DataFrame(rows, columns=["quantity", "value"]))
+    for axis, choice in fitted.forms.items():
+        print_table(_forms_table(choice), title=f"Forms of {axis}")
+        print(choice.sentence)
+    print(f"Axis functions: c = {space.contrast_form.text}; d = {space.distinctness_form.text}")
     print(f"Gloss space: {out}")
     for warning in warnings:
         note(warning)
+
+
+def _axis_document(fitted: "AxisFunctionsFit", axis: str) -> dict[str, Any]:
+    """The line of the ratings along an axis with its intervals, and all forms that were tried."""
+    line, choice = fitted.space.axis_functions[axis], fitted.forms[axis]
+    return asdict(line) | {"forms": fitted.space.provenance["forms"][axis], "sentence": choice.sentence}
+
+
+def _forms_table(choice: "FormChoice") -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "form": [one.form.text for one in choice.candidates],
+            "95 % of the free numbers": [
+                ", ".join(
+                    f"{name} at its limit"
+                    if name in one.at_limit
+                    else "{} {:.3g} to {:.3g}".format(name, *one.ci95.get(name, (math.nan, math.nan)))
+                    for name in one.free
+                )
+                for one in choice.candidates
+            ],
+            "r²": [one.r_squared for one in choice.candidates],
+            "error left out": [one.leave_one_out_error for one in choice.candidates],
+            "taken": ["yes" if one is choice.chosen else "" for one in choice.candidates],
+        }
+    )

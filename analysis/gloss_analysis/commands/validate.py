@@ -98,9 +98,9 @@ def validate(
 
 
 def _predicted(space: "GlossSpace", stimuli: pd.DataFrame, pairs: "Dissimilarities") -> np.ndarray:
-    from gloss_analysis.fit import axis_coordinates
+    from gloss_analysis.coordinates import axis_coordinates
 
-    c, d = axis_coordinates(stimuli, list(pairs.stimuli))[["c", "d"]].to_numpy().T
+    c, d = axis_coordinates(stimuli, list(pairs.stimuli), space)[["c", "d"]].to_numpy().T
     first, second = pairs.pairs
     return np.asarray(space.distance_between(c[first], d[first], c[second], d[second]))
 

@@ -1,0 +1,135 @@
+"""The form of an axis function: recovered where it is known, kept where the data cannot bear another."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import t as student_t
+
+from gloss_analysis.axis_forms import choose_form
+from gloss_analysis.polynomials import fit_polynomials
+from glossspace.errors import GlossError
+from glossspace.metric import ContrastForm, DistinctnessForm
+from tests.analysis.studies import CONTRAST, DOI
+
+ALPHAS = DOI["alpha"].to_numpy()
+
+
+def rated(stimuli, values, *, noise=0.0, participants=1, seed=0):
+    rng = np.random.default_rng(seed)
+    return pd.concat(
+        pd.DataFrame(
+            {
+                "participant_id": f"simulated-{k}",
+                "stimulus": stimuli["stimulus"],
+                "rating": values + noise * rng.standard_normal(len(stimuli)),
+            }
+        )
+        for k in range(participants)
+    )
+
+
+def values_of(form, stimuli):
+    if isinstance(form, ContrastForm):
+        return 400 * form.value(stimuli["rho_d"], stimuli["rho_s"]) + 3
+    return 300 * form.value(stimuli["alpha"]) - 200
+
+
+@pytest.mark.parametrize(
+    ("axis", "stimuli", "true", "taken"),
+    [
+        ("c", CONTRAST, ContrastForm(), ()),
+        ("c", CONTRAST, ContrastForm(exponent=0.8), ("exponent",)),
+        ("c", CONTRAST, ContrastForm(exponent=0.5, diffuse_share=0.1), ("exponent", "diffuse_share")),
+        ("c", CONTRAST, ContrastForm(exponent=0.1, offset=0.05), ("exponent", "offset")),
+        ("d", DOI, DistinctnessForm(), ()),
+        ("d", DOI, DistinctnessForm(exponent=0.4), ("exponent",)),
+        ("d", DOI, DistinctnessForm(exponent=0.1, offset=0.02), ("exponent", "offset")),
+    ],
+)
+def test_the_form_behind_noise_free_ratings_is_found(axis, stimuli, true, taken):
+    """1e-3: squared errors are flat at their minimum, so that rounding leaves half the digits of a parameter."""
+    choice = choose_form(axis, stimuli, rated(stimuli, values_of(true, stimuli)))
+    assert choice.chosen.free == taken
+    found, expected = vars(choice.chosen.form), vars(true)
+    assert [found[name] for name in expected] == pytest.approx(list(expected.values()), rel=1e-3, abs=1e-6)
+    assert choice.chosen.r_squared == pytest.approx(1, abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_noise_alone_does_not_make_a_form(seed):
+    """Nine simulated participants with a noise of 8 units each, as people have, about the paper's own forms."""
+    for axis, stimuli, form in (("c", CONTRAST, ContrastForm()), ("d", DOI, DistinctnessForm())):
+        ratings = rated(stimuli, values_of(form, stimuli), noise=8, participants=9, seed=seed)
+        assert choose_form(axis, stimuli, ratings).chosen.form == form
+
+
+def test_left_out_errors_are_those_of_the_hat_matrix():
+    """For a line the error of leaving one out has a closed form, which `fit_polynomials` takes from leverages."""
+    ratings = rated(DOI, values_of(DistinctnessForm(), DOI), noise=4, seed=3)
+    line = choose_form("d", DOI, ratings).candidates[0]
+    closed = fit_polynomials(1 - ALPHAS, ratings["rating"], orders=(1,))[0]
+    assert line.leave_one_out_error == pytest.approx(closed.leave_one_out_error, rel=1e-9)
+    assert line.aicc == pytest.approx(closed.aicc, rel=1e-9)
+    assert line.r_squared == pytest.approx(closed.r_squared, rel=1e-9)
+
+
+def test_the_interval_of_a_slope_is_student_s_over_participants():
+    """Of participants whose ratings have one mean and one deviation, which equalisation leaves as they are.
+
+    The slope of the mean ratings is then the mean of the participants' slopes, and a jackknife of a mean is its
+    textbook standard error.
+    """
+    rng = np.random.default_rng(5)
+    x = 1 - ALPHAS
+    rows = 2000 * (x - x.mean()) + 60 * rng.standard_normal((6, len(x)))
+    rows = 50 + 10 * (rows - rows.mean(axis=1, keepdims=True)) / rows.std(axis=1, keepdims=True)
+    ratings = pd.concat(
+        pd.DataFrame({"participant_id": str(k), "stimulus": DOI["stimulus"], "rating": row})
+        for k, row in enumerate(rows)
+    )
+    slopes = np.array([np.polyfit(x, row, 1)[0] for row in rows])
+    half = student_t.ppf(0.975, 5) * slopes.std(ddof=1) / np.sqrt(6)
+    found = choose_form("d", DOI, ratings, forms="paper").chosen.ci95["slope"]
+    assert found == pytest.approx((slopes.mean() - half, slopes.mean() + half), rel=1e-9)
+
+
+def test_a_curved_rating_scale_is_told_from_a_curved_axis_by_the_pairs():
+    true = DistinctnessForm(exponent=0.4)
+    ratings = rated(DOI, values_of(true, DOI))
+    against = choose_form("d", DOI, ratings, stress_of=lambda form: 0.10 if form == DistinctnessForm() else 0.12)
+    assert against.chosen.form == DistinctnessForm()
+    assert "stress of the judged pairs would rise from 0.1000 to 0.1200" in against.sentence
+    in_favour = choose_form("d", DOI, ratings, stress_of=lambda form: 0.12 if form == DistinctnessForm() else 0.10)
+    assert in_favour.chosen.form.exponent == pytest.approx(0.4, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("axis", "stimuli", "tried"),
+    [
+        ("c", CONTRAST[CONTRAST["rho_d"] == 0.03], [(), ("exponent",)]),  # one lightness: neither share nor offset
+        ("c", CONTRAST[CONTRAST["rho_s"].isin([0.017, 0.099])], [()]),  # two values of rho_s bear a line alone
+        ("d", DOI[:5], [()]),  # five stimuli for three coefficients
+        ("d", DOI[:6], [(), ("exponent",)]),
+    ],
+)
+def test_what_the_stimuli_cannot_tell_is_not_tried(axis, stimuli, tried):
+    form = ContrastForm() if axis == "c" else DistinctnessForm()
+    choice = choose_form(axis, stimuli, rated(stimuli, values_of(form, stimuli), noise=2))
+    assert [one.free for one in choice.candidates] == tried
+
+
+def test_a_number_that_the_ratings_do_not_tell_has_no_interval_and_is_not_taken():
+    """Ratings steeper than the limit of 3 allows."""
+    ratings = rated(DOI, 90 - 1e5 * ALPHAS**5, noise=0.1, participants=4)
+    choice = choose_form("d", DOI, ratings)
+    assert [one.at_limit[:1] for one in choice.candidates[1:]] == [("exponent",), ("exponent",)]
+    assert all("exponent" not in one.ci95 for one in choice.candidates)
+    assert choice.chosen.free == ()
+
+
+def test_unknown_names_are_refused():
+    ratings = rated(DOI, ALPHAS)
+    with pytest.raises(GlossError, match="There is no axis 'e'. Allowed: c or d"):
+        choose_form("e", DOI, ratings)
+    with pytest.raises(GlossError, match="Invalid forms = 'free'. Allowed: 'chosen' .* or 'paper'"):
+        choose_form("d", DOI, ratings, forms="free")
