@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.tone import ToneCurve
+from glossspace.display import DisplayModel
 
 __all__ = ["CodeError", "code_error"]
 

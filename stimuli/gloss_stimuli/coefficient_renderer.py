@@ -15,12 +15,12 @@ import numpy as np
 from gloss_stimuli.code_error import code_error
 from gloss_stimuli.coefficients import Coefficients
 from gloss_stimuli.content_key import content_key
-from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.passes import PassPlan
 from gloss_stimuli.renderer import Rendering, Step, alphas_of, passes_of
 from gloss_stimuli.scene import Scene
 from gloss_stimuli.target import ErrorTarget
 from gloss_stimuli.tone import ToneCurve
+from glossspace.display import DisplayModel
 from glossspace.stimulus_set import Stimulus
 
 __all__ = ["RANDOMISATIONS", "CoefficientRenderer"]

@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 
 from gloss_stimuli.code_error import code_error
 from gloss_stimuli.content_key import content_key
-from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.exact import DIFFUSE_EXPONENTS, LEVELS, SPECULAR_EXPONENTS, levels_within, solve
 from gloss_stimuli.renderer import Rendering, Step, alphas_of, passes_of
 from gloss_stimuli.scene import Scene
 from gloss_stimuli.target import ErrorTarget
 from gloss_stimuli.tone import ToneCurve
+from glossspace.display import DisplayModel
 from glossspace.errors import GlossError
 from glossspace.files import whole_file
 from glossspace.stimulus_set import Stimulus

@@ -33,10 +33,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.edge_width import steepest_slope
 from gloss_stimuli.mirrored_checks import PatchGeometry, find_patches
 from gloss_stimuli.tone import ToneCurve
+from glossspace.display import DisplayModel
 from glossspace.files import write_text
 from glossspace.metric import lightness
 from glossspace.stimulus_set import Stimulus

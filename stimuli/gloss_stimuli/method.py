@@ -3,12 +3,12 @@
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
-from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.renderer import Renderer
 from gloss_stimuli.scene import Scene
 from gloss_stimuli.target import ErrorTarget
 from gloss_stimuli.tone import ToneCurve
 from gloss_stimuli.user_scene import UserScene
+from glossspace.display import DisplayModel
 from glossspace.errors import GlossError
 
 __all__ = ["METHODS", "Method", "choose_renderer"]

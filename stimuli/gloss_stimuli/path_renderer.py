@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 
 from gloss_stimuli.code_error import CodeError, code_error
 from gloss_stimuli.content_key import content_key
-from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.gloss_ward_bsdf import register_plugins
 from gloss_stimuli.mitsuba_scene import load_scene
 from gloss_stimuli.renderer import Rendering, Step
@@ -32,6 +31,7 @@ from gloss_stimuli.tone import ToneCurve
 from gloss_stimuli.user_scene import UserScene
 from gloss_stimuli.variant import use_llvm
 from gloss_stimuli.ward_bsdf import check_paint
+from glossspace.display import DisplayModel
 from glossspace.errors import GlossError
 from glossspace.metric import Paint
 from glossspace.stimulus_set import Stimulus

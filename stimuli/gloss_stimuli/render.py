@@ -9,7 +9,6 @@ import numpy as np
 from gloss_stimuli.cache import cache_folder, trim_cache
 from gloss_stimuli.composite import write_composite
 from gloss_stimuli.content_key import content_key
-from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.images import write_codes, write_luminance
 from gloss_stimuli.measurements import FILE_NAME, find_patches, measure, write_measurements
 from gloss_stimuli.method import Method, choose_renderer
@@ -23,6 +22,7 @@ from gloss_stimuli.target import DEFAULT_TARGET, ErrorTarget, find_target
 from gloss_stimuli.tone import ToneCurve, solve_tone_curve
 from gloss_stimuli.user_scene import UserScene
 from glossspace.console import note, progress_bar
+from glossspace.display import DisplayModel
 from glossspace.errors import GlossError
 from glossspace.files import check_folder_target, read_json, sha256_of, write_json
 from glossspace.stimulus_set import MANIFEST_NAME, Stimulus, StimulusSet, read_stimulus_set, write_manifest

@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from gloss_stimuli.display import DisplayModel
-from gloss_stimuli.luminance_table import LuminanceTable
 from gloss_stimuli.viewing import ViewingGeometry
+from glossspace.display import DisplayModel
 from glossspace.errors import GlossError
 from glossspace.files import read_toml, shipped_folder
+from glossspace.luminance_table import LuminanceTable
 
 __all__ = [
     "DEFAULT_SCENE",
@@ -145,7 +145,7 @@ class Tone(_Section):
 
 
 class MeasuredLuminance(_Section):
-    """What a photometer read at some code values; see `gloss_stimuli.luminance_table`."""
+    """What a photometer read at some code values; see `glossspace.luminance_table`."""
 
     codes: tuple[int, ...]
     gray_cd_m2: tuple[float, ...] | None = None
@@ -159,7 +159,7 @@ class MeasuredLuminance(_Section):
 
 
 class Display(_Section):
-    """The screen: black, white and gamma, or instead of these what was measured; see `gloss_stimuli.display`."""
+    """The screen: black, white and gamma, or instead of these what was measured; see `glossspace.display`."""
 
     black_cd_m2: NotNegative | None = None
     white_cd_m2: Positive | None = None

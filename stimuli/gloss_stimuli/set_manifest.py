@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any
 
-from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.measurements import COLUMNS, FILE_NAME
 from gloss_stimuli.mirrored_checks import PatchGeometry
 from gloss_stimuli.renderer import Renderer
@@ -13,6 +12,7 @@ from gloss_stimuli.sets import StimulusList
 from gloss_stimuli.target import ErrorTarget
 from gloss_stimuli.tone import ToneCurve
 from gloss_stimuli.user_scene import UserScene
+from glossspace.display import DisplayModel
 
 __all__ = ["set_manifest"]
 

@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 from scipy.stats import norm
 
 from gloss_stimuli.code_error import QUANTILES, CodeError, code_error
-from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.tone import solve_tone_curve
+from glossspace.display import DisplayModel
 
 TONE = solve_tone_curve(adapting=10.0, minimum=0.0, maximum=250.0, slope=1.0, contrast=108 / 0.7)
 DISPLAY = DisplayModel()

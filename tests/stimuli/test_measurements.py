@@ -9,12 +9,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.measurements import COLUMNS, PatchGeometry, find_patches, measure, write_measurements
 from gloss_stimuli.mirror import Check
 from gloss_stimuli.mirrored_checks import _is_disturbed
 from gloss_stimuli.scene import Film, Scene, read_scene
 from gloss_stimuli.tone import solve_tone_curve
+from glossspace.display import DisplayModel
 from glossspace.metric import lightness
 from glossspace.stimulus_set import Stimulus
 

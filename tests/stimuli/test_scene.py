@@ -3,8 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from gloss_stimuli.display import DisplayModel
 from gloss_stimuli.scene import Film, Scene, read_scene
+from glossspace.display import DisplayModel
 from glossspace.errors import GlossError
 from glossspace.files import shipped_folder
 

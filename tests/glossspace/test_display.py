@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gloss_stimuli.display import DisplayModel, LuminanceTable
+from glossspace.display import DisplayModel, LuminanceTable
 from glossspace.errors import GlossError
 
 MEASURED = LuminanceTable(codes=(0, 32, 64, 128, 192, 255), gray_cd_m2=(0.7, 1.6, 4.9, 21.9, 55.8, 108.0))

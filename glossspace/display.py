@@ -7,8 +7,8 @@ from typing import Any, Self, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gloss_stimuli.luminance_table import LuminanceTable
 from glossspace.errors import GlossError
+from glossspace.luminance_table import LuminanceTable
 
 __all__ = ["DisplayModel", "LuminanceTable", "QuantisationError"]
 
