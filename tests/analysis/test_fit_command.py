@@ -6,7 +6,8 @@ import pandas as pd
 import pytest
 
 from glossspace.dataset import write_session_data
-from glossspace.metric import GlossSpace, contrast_gloss, distinctness
+from glossspace.metric import ContrastForm, GlossSpace, contrast_gloss, distinctness
+from tests.analysis.studies import CONTRAST as CONTRAST_GRID
 from tests.analysis.studies import EXPERIMENT_1, judged_by
 
 CONTRAST = EXPERIMENT_1[EXPERIMENT_1["alpha"] == 0.04]
@@ -169,3 +170,35 @@ class TestDataset:
 
     def test_pairs_may_be_those_of_a_dataset(self, refused, dataset, files):
         assert "holds no judged pair" in refused("fit", *words(files | {"--pairs": dataset}, "--pairs"))
+
+
+def test_the_forms_of_the_axis_functions_are_reported(gloss, files):
+    code, out, _ = gloss("fit", *words(files, "--pairs", "--magnitudes"), "--json")
+    document = json.loads(out)["axis_functions"]
+    assert code == 0
+    # Three values of rho_s tell a line and an exponent, and nothing more; three of alpha, of three stimuli, a line
+    assert [row["free"] for row in document["c"]["forms"]] == [[], ["exponent"]]
+    assert [row["taken"] for row in document["c"]["forms"]] == [True, False]
+    assert [row["free"] for row in document["d"]["forms"]] == [[]]
+    assert document["c"]["slope_ci95"] is None  # two participants
+    CONTRAST_GRID.assign(axis="c").pipe(rated_with_square_roots).to_csv(files["--magnitudes"], index=False)
+    pd.concat([EXPERIMENT_1, CONTRAST_GRID]).to_csv(files["--stimuli"], index=False)
+    code, out, _ = gloss("fit", *words(files, "--magnitudes"))
+    assert code == 0
+    assert "Axis functions: c = (rho_s + 0.5 rho_d)^0.5 - (0.5 rho_d)^0.5; d = 1 - alpha" in out
+    assert "The form (rho_s + 0.5 rho_d)^0.5 - (0.5 rho_d)^0.5 is taken" in out
+    code, out, _ = gloss("fit", *words(files, "--magnitudes"), "--forms", "paper")
+    assert "c = cbrt(rho_s + rho_d/2) - cbrt(rho_d/2)" in out
+
+
+def rated_with_square_roots(shown):
+    rating = 10 + 100 * ContrastForm(exponent=0.5).value(shown["rho_d"], shown["rho_s"])
+    table = pd.DataFrame({"stimulus": shown["stimulus"], "axis": "c", "repeat": 1, "rating": rating})
+    return pd.concat(table.assign(participant_id=one) for one in ("1", "2", "3"))
+
+
+def test_level_and_interval_are_those_asked_for(gloss, files):
+    code, out, _ = gloss("fit", *words(files, "--pairs"), "--level", "ratio", "--interval", "bootstrap", "--json")
+    assert code == 0
+    assert json.loads(out)["weight_d"] == pytest.approx(1.78, abs=1e-6)  # noise-free: nothing is left open
+    assert GlossSpace.load(files["--out"]).provenance["level"] == "ratio"

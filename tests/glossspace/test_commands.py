@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from glossspace.metric import GlossSpace
+from glossspace.metric import ContrastForm, GlossSpace
 
 GRAY = ".193,.066,.07"
 
@@ -244,3 +244,30 @@ class TestIsogloss:
         assert (code, out) == (2, "")
         assert message in err
         assert err.count("\n") == 1
+
+
+class TestAxisFunctionsOfOtherForm:
+    """A space whose c is a difference of square roots, (rho_s + .4 rho_d)^.5 - (.4 rho_d)^.5."""
+
+    @pytest.fixture
+    def other(self, tmp_path):
+        GlossSpace(weight_d=0.9, contrast_form=ContrastForm(0.5, 0.4)).save(tmp_path / "other.json")
+        return str(tmp_path / "other.json")
+
+    def test_convert_there_and_back(self, result, other):
+        there = result(*TestConvert.PHYSICAL, "--space", other)
+        assert there["c"] == pytest.approx(np.sqrt(0.066 + 0.4 * 0.193) - np.sqrt(0.4 * 0.193), rel=1e-12)
+        assert there["max_c"] == pytest.approx(np.sqrt(1 - 0.6 * 0.193) - np.sqrt(0.4 * 0.193), rel=1e-12)
+        words = [word for key in ("lightness", "c", "d") for word in (f"--{key}", repr(there[key]))]
+        back = result("convert", *words, "--space", other)
+        assert [back[key] for key in ("rho_d", "rho_s", "alpha")] == pytest.approx([0.193, 0.066, 0.07], rel=1e-10)
+
+    def test_match_keeps_c(self, result, other):
+        matched = result("match", ".767,.099,.04", "--rho-d", ".03", "--space", other)
+        c = np.sqrt(0.099 + 0.4 * 0.767) - np.sqrt(0.4 * 0.767)
+        assert matched["rho_s"] == pytest.approx((c + np.sqrt(0.012)) ** 2 - 0.012, rel=1e-10)
+
+    def test_isogloss_goes_round_it(self, result, other):
+        points = result("isogloss", GRAY, "--space", other, "--n", "4")["points"]
+        c = np.sqrt(0.066 + 0.4 * 0.193) - np.sqrt(0.4 * 0.193)
+        assert [point["c"] for point in points] == pytest.approx([c + 0.04, c, c - 0.04, c], rel=1e-12)

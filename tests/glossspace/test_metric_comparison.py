@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from glossspace.errors import GlossError
-from glossspace.metric import PAPER_SPACE, AxisFunction, GlossSpace, contrast_gloss
+from glossspace.metric import PAPER_SPACE, AxisFunction, ContrastForm, GlossSpace, contrast_gloss
 from glossspace.metric.comparison import compare_spaces
 
 RANGES = {"rho_d": (0.0, 0.5), "rho_s": (0.02, 0.1), "alpha": (0.04, 0.1)}
@@ -206,3 +206,40 @@ class TestCommand:
         assert (code, out) == (2, "")
         assert err.startswith("gloss: No gloss space at")
         assert err.count("\n") == 1
+
+
+class TestOtherForms:
+    def test_the_same_space_in_other_units_does_not_differ(self):
+        """With an exponent of 1 c is rho_s, whatever the diffuse share: one space in two forms."""
+        one = space(0.1, 0.1, contrast_form=ContrastForm(exponent=1.0, diffuse_share=0.5))
+        other = space(0.1, 0.1, contrast_form=ContrastForm(exponent=1.0, diffuse_share=2.0))
+        found = compare_spaces(one, other)
+        assert found.weight.ratio == pytest.approx(1, abs=1e-9)
+        assert found.distances.relative_difference == pytest.approx(0, abs=1e-9)
+        assert any("The axis functions have other forms" in remark for remark in found.remarks)
+
+    def test_weights_are_compared_in_one_unit(self):
+        """Square roots against cube roots; extents over the corners of the common range, by hand."""
+        roots = space(1.0, contrast_form=ContrastForm(exponent=0.5))
+        extent = {}
+        for p in (1 / 3, 0.5):
+            corners = [(s + d / 2) ** p - (d / 2) ** p for d in RANGES["rho_d"] for s in RANGES["rho_s"]]
+            extent[p] = max(corners) - min(corners)
+        assert compare_spaces(space(1.0), roots).weight.ratio == pytest.approx(extent[1 / 3] / extent[0.5], rel=1e-9)
+
+    def test_without_common_paints_weights_are_not_compared(self):
+        far = {"rho_d": (0.6, 0.7), "rho_s": (0.2, 0.3), "alpha": (0.04, 0.1)}
+        found = compare_spaces(space(), space(contrast_form=ContrastForm(0.5), stimulus_range=far))
+        assert math.isnan(found.weight.ratio)
+        assert found.weight.differs is None
+        assert any("weights are not compared" in remark for remark in found.remarks)
+
+    def test_the_interval_of_a_slope_over_participants_is_taken_where_it_is_known(self):
+        """Equal lines, intervals of exp(±.3) and exp(±.4) on logs: .5 together, as for weights."""
+        a, b = (
+            space(
+                axis_functions={"c": AxisFunction(100.0, 0.0, 0.9, 24, (100 * math.exp(-h), 100 * math.exp(h)), None)}
+            )
+            for h in (0.3, 0.4)
+        )
+        assert compare_spaces(a, b).slopes["c"].ratio_ci95 == pytest.approx((math.exp(-0.5), math.exp(0.5)))
