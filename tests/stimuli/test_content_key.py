@@ -71,3 +71,15 @@ def test_which_sources_counts(room: Path) -> None:
 def test_a_source_that_does_not_exist_is_no_silent_constant(room: Path) -> None:
     with pytest.raises(FileNotFoundError, match="three.py"):
         content_key("three")
+
+
+def test_code_of_the_core_counts_too(tmp_path, monkeypatch) -> None:
+    (tmp_path / "corepart").mkdir()
+    for name in ("__init__.py", "display.py"):
+        (tmp_path / "corepart" / name).write_text("# one\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    module._source_hash.cache_clear()
+    before = content_key("corepart.display")
+    change(tmp_path / "corepart" / "display.py")
+    assert content_key("corepart.display") != before
+    module._source_hash.cache_clear()
