@@ -171,8 +171,8 @@ class _Job:
     def key(self, stimulus: Stimulus) -> str:
         """Hash of everything that determines the files of a stimulus."""
         return content_key(
-            "tone", "glossspace.display", "glossspace.luminance_table", "images", "code_error", "render", "measurements",
-            "mirrored_checks", "mirror", "edge_width",
+            "tone", "glossspace.display", "glossspace.luminance_table", "images", "code_error", "render",
+            "measurements", "mirrored_checks", "mirror", "edge_width",
             luminance=self.renderer.key(stimulus), target=self.target.to_dict(), stimulus=asdict(stimulus),
             tone=self.tone.to_dict(), display=self.display.to_dict(), viewing=self.scene.viewing.model_dump(),
         )  # fmt: skip
