@@ -19,9 +19,9 @@ from rich.console import Console
 from rich.table import Table
 from scipy.stats import binomtest
 
-from gloss_analysis.axis_forms import choose_form
-from gloss_analysis.magnitude import mean_ratings
-from gloss_analysis.polynomials import fit_polynomials
+from gloss_analysis.axis_functions.axis_forms import choose_form
+from gloss_analysis.ratings.magnitude import mean_ratings
+from gloss_analysis.ratings.polynomials import fit_polynomials
 from glossspace.console import progress_bar
 from glossspace.metric import ContrastForm, DistinctnessForm
 

@@ -18,14 +18,16 @@ from rich.console import Console
 from rich.table import Table
 from scipy.stats import binomtest
 
-from gloss_analysis.confirmatory import INTERVALS, confirm_axes, population_interval
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.confirmatory.scaling import INTERVALS, confirm_axes, population_interval
+from gloss_analysis.design.population import Population
+from gloss_analysis.design.simulation import EXPERIMENT_1, drawn_ratios, on_the_slider, wished_answers
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds.disparities import Level
-from gloss_experiments.observer import MEDIAN_RATIO, SD_LOG_RATIO
+from gloss_experiments.observer_kinds import MEDIAN_RATIO, SD_LOG_RATIO
 from glossspace.console import progress_bar
-from glossspace.metric import contrast_gloss, distinctness
 
-EXPONENT, NOISE_SD, OBSERVERS = 0.85, 4.0, 9
+OBSERVERS = 9
+POPULATION = Population(ratio=MEDIAN_RATIO, sd_log_ratio=SD_LOG_RATIO, exponent=0.85, noise_sd=4.0)
 LEVELS: tuple[Level, ...] = ("ordinal", "ratio")
 STEPS = (1, 5, 20)
 CASES = tuple(itertools.product(LEVELS, STEPS))
@@ -34,31 +36,17 @@ Outcome = tuple[float, tuple[bool, ...], float]
 """Logarithm of the ratio over the truth, which intervals hold the truth, CPU seconds of the analysis."""
 
 
-def axis_values() -> np.ndarray:
-    paints = np.array(list(itertools.product((0.03, 0.193, 0.767), (0.033, 0.066, 0.099), (0.04, 0.07, 0.10))))
-    return np.column_stack([contrast_gloss(paints[:, 0], paints[:, 1]), distinctness(paints[:, 2])])
-
-
-def answers(position: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Where nine observers would put the slider if it had no steps and no ends, shape (9, 351)."""
-    first, second = np.triu_indices(len(position), 1)
-    delta = position[first] - position[second]
-    ratios = MEDIAN_RATIO * np.exp(SD_LOG_RATIO * rng.standard_normal((OBSERVERS, 1)))
-    distance = np.hypot(delta[:, 0], ratios * delta[:, 1])
-    relative = distance / distance.max(axis=1, keepdims=True)
-    return 100 * relative**EXPONENT + NOISE_SD * rng.standard_normal(relative.shape)
-
-
 def one_study(seed: np.random.SeedSequence) -> list[Outcome]:
     """Outcome of each of the cases."""
-    position = axis_values()
-    wished = answers(position, np.random.default_rng(seed))
+    position = EXPERIMENT_1
+    rng = np.random.default_rng(seed)
+    wished = wished_answers(position, drawn_ratios(POPULATION, OBSERVERS, rng), POPULATION, rng=rng)[0]
     outcomes = []
     for level, step in CASES:
         data = Dissimilarities(
             tuple(f"stimulus {i}" for i in range(len(position))),
             tuple(f"simulated {k}" for k in range(OBSERVERS)),
-            np.clip(step * np.round(wished / step), 0, 100),
+            on_the_slider(wished, step),
         )
         start = time.process_time()
         fit = confirm_axes(data, position, axes=("c", "d"), level=level)

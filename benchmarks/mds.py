@@ -23,7 +23,7 @@ from rich.table import Table
 from scipy.spatial.distance import pdist, squareform
 from sklearn.manifold import MDS
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds import scale
 from gloss_analysis.mds.objective import mean_square_stress
 from gloss_analysis.mds.problem import make_problem
@@ -199,7 +199,7 @@ def first_call() -> None:
     """Import and first call in fresh processes, with the kernels compiled before and with none."""
     code = (
         "import time; t = time.perf_counter(); from gloss_analysis.mds import scale; "
-        "from gloss_analysis.square_matrix import from_matrices; u = time.perf_counter(); "
+        "from gloss_analysis.judgements.square_matrix import from_matrices; u = time.perf_counter(); "
         "scale(from_matrices([[0, 1, 2, 3], [1, 0, 4, 5], [2, 4, 0, 6], [3, 5, 6, 0]]), n_dims=2); "
         "print(u - t, time.perf_counter() - u)"
     )

@@ -6,12 +6,15 @@ cd "$(dirname "$0")/.."
 
 # A reproduction is numba and simulated observers: pip brings all that it needs. The tests also need
 # - LLVM, with which Mitsuba compiles its kernels (versions below 19 abort the process), and libatomic for Dr.Jit;
-# - the observer's window: OpenGL and X for PsychoPy, a virtual screen and a scripted pointer.
+# - the observer's window: OpenGL and X for PsychoPy, a virtual screen and a scripted pointer, and one screen with a
+#   gamma table.
 wanted=""
 if [ "${1:-reproduce}" = test ]; then
     wanted="libllvm19 libatomic1
         libgl1 libglu1-mesa libgl1-mesa-dri libx11-6 libxext6 libxxf86vm1 libxinerama1 libxi6 libegl1
-        libglib2.0-0 libfontconfig1 libdbus-1-3 fontconfig fonts-dejavu-core xvfb xauth xdotool"
+        libglib2.0-0 libfontconfig1 libdbus-1-3 fontconfig fonts-dejavu-core xvfb xauth xdotool
+        xserver-xorg-core xserver-xorg-video-dummy
+        libxkbcommon-x11-0 libxcb-cursor0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0"
 fi
 
 python=""

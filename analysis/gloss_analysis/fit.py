@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from gloss_analysis.axis_forms import FormChoice, Forms
-from gloss_analysis.confirmatory import ConfirmatoryFit, Interval, confirm_axes
-from gloss_analysis.coordinates import axis_coordinates
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.axis_functions.axis_forms import FormChoice, Forms
+from gloss_analysis.axis_functions.coordinates import axis_coordinates
+from gloss_analysis.axis_functions.rating_fit import RatingsFit, fit_ratings, one_lightness
+from gloss_analysis.confirmatory.scaling import ConfirmatoryFit, Interval, confirm_axes
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds.disparities import Level, Ties
-from gloss_analysis.polynomials import AxisRegression
-from gloss_analysis.rating_fit import RatingsFit, fit_ratings, one_lightness
+from gloss_analysis.ratings.polynomials import AxisRegression
 from glossspace.errors import GlossError
 from glossspace.metric import PAPER_SPACE, GlossSpace
 
@@ -87,7 +87,7 @@ def fit_gloss_space(
     ratings : mapping of {"c", "d"} to DataFrame
         Magnitude estimates (`participant_id`, `stimulus`, `rating`) of a study that varied this axis. May be empty.
     level, ties, interval, seed
-        Of the confirmatory analysis; see `gloss_analysis.confirmatory.confirm_axes`.
+        Of the confirmatory analysis; see `gloss_analysis.confirmatory.scaling.confirm_axes`.
     forms : {"chosen", "paper"}
         Whether the axis functions may have exponents, shares and offsets of their own, where cross-validation of the
         ratings and the stress of the pairs speak for them; see `choose_form`.

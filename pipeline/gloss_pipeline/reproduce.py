@@ -3,15 +3,14 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from gloss_analysis.report import write_report
-from gloss_analysis.study import (
+from gloss_analysis.study.analysis import StudyAnalysis, analyse_study
+from gloss_analysis.study.folder import (
     STIMULUS_SETS,
-    StudyAnalysis,
-    analyse_study,
     dataset_folder,
     gloss_space_file,
     read_study,
@@ -19,7 +18,7 @@ from gloss_analysis.study import (
     stimulus_folder,
 )
 from gloss_experiments import run_session, simulated_observers
-from gloss_stimuli import check_rendering, render_set
+from gloss_stimuli import check_rendering, render_isogloss_ring, render_matched_spheres, render_set
 from glossspace.errors import GlossError
 from glossspace.files import read_json, write_json
 
@@ -29,6 +28,9 @@ Quality: TypeAlias = Literal["draft", "exact"]
 
 N_OBSERVERS = 9
 """As many as took part in the gloss paper's experiments."""
+
+RING_POINTS = 4
+"""Spheres on each contour of the isogloss ring: four need four roughnesses that no other set has, eight need eight."""
 
 _FORMAT, _VERSION = "glossspace/study", 1
 
@@ -63,12 +65,14 @@ def reproduce_study(
 ) -> Reproduction:
     """Run the gloss paper's study with nine simulated observers, from reflectance to a fitted gloss space.
 
-    Run again after an interruption, it goes on where it was: finished stimuli and sessions are not made again.
+    Run again after an interruption, it goes on where it was: finished stimuli and sessions are not made again. The
+    fitted space is applied as in section 5 of the gloss paper: `stimuli/ring` and `stimuli/matched` hold the spheres of
+    its figures 11 and 12, and the figures. They are made again if the space is another.
 
     Parameters
     ----------
     study : Path
-        The folder to fill; see `gloss_analysis.study` for its layout.
+        The folder to fill; see `gloss_analysis.study.folder` for its layout.
     quality : {"draft", "exact"}
         Error target of the images; see `gloss_stimuli.render_set`.
     size : int
@@ -95,12 +99,11 @@ def reproduce_study(
         int(child.generate_state(1)[0]) for child in np.random.SeedSequence(seed).spawn(3)
     )
 
+    # Sets with a roughness in common share its solution; it lies here so that the study can be finished elsewhere.
+    cache = study / "stimuli" / "coefficients"
     for name in STIMULUS_SETS:
         on_step(f"Stimuli: {name}")
-        # Sets with a roughness in common share its solution; it lies here so that the study can be finished elsewhere.
-        cache = study / "stimuli" / "coefficients"
-        folder = stimulus_folder(study, name)
-        render_set(name, folder, size=size, quality=quality, seed=image_seed, cache=cache)
+        render_set(name, stimulus_folder(study, name), size=size, quality=quality, seed=image_seed, cache=cache)
 
     observers = simulated_observers(N_OBSERVERS, observer_seed)
     seeds = np.random.SeedSequence(session_seed).generate_state(N_OBSERVERS * len(_SESSIONS)).reshape(N_OBSERVERS, -1)
@@ -119,7 +122,12 @@ def reproduce_study(
             )
 
     analysis = analyse_study(read_study(study), seed=seed, n_jobs=n_jobs, on_step=on_step)
-    analysis.fit.space.save(gloss_space_file(study))
+    space = analysis.fit.space
+    space.save(gloss_space_file(study))
+    on_step("The fitted space applied: an isogloss ring, matched spheres")
+    rendering: dict[str, Any] = {"size": size, "quality": quality, "seed": image_seed, "cache": cache}
+    render_isogloss_ring(stimulus_folder(study, "ring"), space=space, n=RING_POINTS, **rendering)
+    render_matched_spheres(stimulus_folder(study, "matched"), space=space, **rendering)
     on_step("Report")
     write_report(analysis, report_file(study))
     return Reproduction(report_file(study), gloss_space_file(study), dataset_folder(study), analysis)

@@ -137,19 +137,19 @@ def draw_matched_spheres(applied: AppliedSet, rendered: StimulusSet) -> "Figure"
     return figure
 
 
-def save_figure(figure: "Figure", stem: Path) -> tuple[Path, Path]:
-    """Write a figure as PNG and as SVG, each whole or not at all; the same figure gives the same bytes.
+def save_figure(figure: "Figure", stem: Path) -> tuple[Path, ...]:
+    """Write a figure as PNG, SVG and PDF, each whole or not at all; the same figure gives the same bytes.
 
     Parameters
     ----------
     figure : Figure
     stem : Path
-        The two files' name without its ending.
+        The files' name without its ending.
 
     Returns
     -------
     tuple of Path
-        The PNG and the SVG.
+        In that order.
 
     Raises
     ------
@@ -158,7 +158,11 @@ def save_figure(figure: "Figure", stem: Path) -> tuple[Path, Path]:
     """
     import matplotlib
 
-    formats: dict[str, dict[str, Any]] = {"png": {"Software": None}, "svg": {"Date": None}}
+    formats: dict[str, dict[str, Any]] = {
+        "png": {"Software": None},
+        "svg": {"Date": None},
+        "pdf": {"CreationDate": None},
+    }
     made = []
     for kind, metadata in formats.items():
         path = stem.with_name(f"{stem.name}.{kind}")
@@ -171,7 +175,7 @@ def save_figure(figure: "Figure", stem: Path) -> tuple[Path, Path]:
             warnings.filterwarnings("ignore", message="Glyph .* missing from font")
             figure.savefig(temporary, format=kind, dpi=170, metadata=metadata)
         made.append(path)
-    return made[0], made[1]
+    return tuple(made)
 
 
 def _thumbnail(rendered: StimulusSet, name: str) -> np.ndarray:

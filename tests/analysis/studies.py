@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pandas as pd
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from glossspace.metric import contrast_gloss, distinctness
 
 __all__ = ["CONTRAST", "DOI", "EXPERIMENT_1", "STIMULI", "axis_values", "judged_by", "named"]

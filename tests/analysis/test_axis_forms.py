@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 from scipy.stats import t as student_t
 
-from gloss_analysis.axis_forms import choose_form
-from gloss_analysis.polynomials import fit_polynomials
+from gloss_analysis.axis_functions.axis_forms import choose_form
+from gloss_analysis.ratings.polynomials import fit_polynomials
 from glossspace.errors import GlossError
 from glossspace.metric import ContrastForm, DistinctnessForm
 from tests.analysis.studies import CONTRAST, DOI

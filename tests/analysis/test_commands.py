@@ -6,10 +6,10 @@ import json
 import numpy as np
 import pytest
 
-from gloss_analysis.confirmatory import confirm_axes
+from gloss_analysis.confirmatory.scaling import confirm_axes
 from gloss_analysis.dimensionality.stress_curve import stress_curve
 from gloss_analysis.fit import fit_gloss_space
-from gloss_analysis.judgement_table import read_table
+from gloss_analysis.judgements.judgement_table import read_table
 from glossspace.dataset import write_session_data
 from glossspace.metric import GlossSpace
 from tests.analysis.studies import EXPERIMENT_1, STIMULI, judged_by

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import t
 
-from gloss_analysis.confirmatory import confirm_axes, population_interval
+from gloss_analysis.confirmatory.scaling import confirm_axes, population_interval
 from gloss_analysis.mds.objective import stress_of_sources
 from gloss_analysis.mds.problem import make_problem
 from glossspace.errors import GlossError

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gloss_analysis.examples import city_map, colour_circle
 from gloss_analysis.mds import scale
+from gloss_analysis.study.examples import city_map, colour_circle
 from tests.analysis.studies import named
 
 REFERENCE = Path(__file__).parents[1] / "reference"

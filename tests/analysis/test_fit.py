@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from gloss_analysis.coordinates import axis_coordinates, rated_along
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.axis_functions.coordinates import axis_coordinates, rated_along
 from gloss_analysis.fit import fit_axis_functions, fit_gloss_space
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from glossspace.errors import GlossError
 from glossspace.metric import ContrastForm, GlossSpace, Paint
 from tests.analysis.studies import CONTRAST, EXPERIMENT_1, axis_values, judged_by
@@ -88,7 +88,7 @@ def test_what_ratings_leave_open_is_said():
         (table, ["differ in d too"]),
         (dark, ["differ in d too", "one lightness (rho_d 0.03)"]),
         (falling, ["Was the scale reversed?", "differ in d too", "one lightness"]),
-        (pd.concat([dark, flat]), ["same rating along c: 2.", "differ in d too", "one lightness"]),
+        (pd.concat([dark, flat]), ["participant 2: constant: every rating is 40.", "differ in d too", "one lightness"]),
     ):
         said = fit_axis_functions(EXPERIMENT_1, {"c": rated}).warnings[1:]
         assert len(said) == len(expected)

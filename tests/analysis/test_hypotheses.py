@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from gloss_analysis.confirmatory import confirm_axes
-from gloss_analysis.figures.hypotheses import draw_hypotheses, hypotheses_table
-from gloss_analysis.hypotheses import (
+from gloss_analysis.confirmatory.scaling import confirm_axes
+from gloss_analysis.figures.hypotheses import draw_hypotheses, hypotheses_in_words, hypotheses_table
+from gloss_analysis.hypotheses.candidates import HYPOTHESES_D
+from gloss_analysis.hypotheses.comparison import (
     HYPOTHESES_C,
     HYPOTHESIS_D,
     Hypothesis,
@@ -17,7 +18,7 @@ from gloss_analysis.hypotheses import (
 )
 from gloss_analysis.mds.objective import fitted_disparities, source_distances
 from gloss_analysis.mds.problem import make_problem
-from gloss_analysis.polynomials import fit_polynomials, polynomial_sentence
+from gloss_analysis.ratings.polynomials import fit_polynomials, polynomial_sentence
 from glossspace.errors import GlossError
 from glossspace.metric import lightness
 from tests.analysis.studies import EXPERIMENT_1, judged_by, named
@@ -189,6 +190,79 @@ def test_pairs_that_nobody_judged_and_the_order_of_the_stimuli_do_not_matter(pai
     )
     pd.testing.assert_frame_equal(found, shuffled)
     assert np.isfinite(found.select_dtypes("number").to_numpy()).all()
+
+
+def test_hypotheses_about_d_are_tested_beside_c(pairs):
+    forms = HYPOTHESES_D[:4]  # the fifth needs measurements
+    found = confirm_hypotheses(forms, STIMULI, pairs).set_index("hypothesis")
+    assert found["stress1"].idxmin() == "1 - alpha"
+    assert found.loc["1 - alpha", "n_best"] == found.loc["1 - alpha", "n_participants"] == 3
+    # The ratio is that of d over c, as for hypotheses about c: the same axes, the same fit.
+    same = confirm_hypotheses([HYPOTHESES_C[2]], STIMULI, pairs).iloc[0]
+    assert found.loc["1 - alpha", ["ratio", "stress1"]].tolist() == same[["ratio", "stress1"]].tolist()
+    for name in found.index[1:]:
+        form = next(one for one in forms if one.name == name)
+        position = np.column_stack([HYPOTHESES_C[2].values(STIMULI), form.values(STIMULI)])
+        assert found.loc[name, "stress1"] == confirm_axes(pairs, position, axes=("c", "d")).shared.stress1
+    given = confirm_hypotheses(forms[:1], STIMULI, pairs, HYPOTHESES_C[1]).iloc[0]  # beside another c
+    assert given["stress1"] > same["stress1"]
+    with pytest.raises(GlossError, match=r"The values of c have shape \(3,\); give one for each of the 27 judged"):
+        confirm_hypotheses(forms, STIMULI, pairs, np.ones(3))
+
+
+def test_each_participant_has_a_best_hypothesis_or_several(pairs):
+    found = confirm_hypotheses(HYPOTHESES_C, STIMULI, pairs)
+    own = np.array(
+        [
+            [one.stress1 for one in confirm_axes(pairs, _beside_d(form), axes=("c", "d")).individual]
+            for form in HYPOTHESES_C
+        ]
+    )
+    assert found["n_best"].tolist() == np.bincount(own.argmin(axis=0), minlength=3).tolist()
+    # A form and its double are the best for the same participants.
+    double = Hypothesis("double", "c", lambda stimuli: 2 * HYPOTHESES_C[2].values(stimuli))
+    both = confirm_hypotheses([HYPOTHESES_C[2], double], STIMULI, pairs)
+    assert both["n_best"].tolist() == [3, 3]
+
+
+def _beside_d(form):
+    return np.column_stack([form.values(STIMULI), 1 - STIMULI["alpha"]])
+
+
+def test_the_words_name_what_each_task_favours():
+    compared = pd.DataFrame(
+        {
+            "hypothesis": ["a", "b"], "slope": [1.0, -1.0], "aicc": [10.0, 4.0], "leave_one_out_error": [3.0, 2.0]
+        }
+    )  # fmt: skip
+    confirmed = pd.DataFrame({"hypothesis": ["a", "b"], "stress1": [0.1, 0.2], "n_best": [2, 2], "n_participants": 3})
+    assert hypotheses_in_words(compared, confirmed) == (
+        "Ratings: b predicts left-out stimuli best (error 2; a 3, AICc 6.0 lower).",
+        "Ratings fall where it rises: b.",
+        "Pairs: a has the lowest stress (0.1000; b 0.2000), and is the best for 2 of 3 participants.",
+        "The two tasks do not favour the same hypothesis.",
+    )
+    assert hypotheses_in_words(compared.iloc[:1], confirmed.iloc[:1]) == ()
+
+
+def test_nothing_to_show():
+    with pytest.raises(GlossError, match="There is nothing to draw"):
+        draw_hypotheses(HYPOTHESES_C, CONTRAST, None)
+    with pytest.raises(GlossError, match="There is nothing to show"):
+        hypotheses_table(None)
+
+
+def test_many_hypotheses_stand_in_rows(pairs):
+    forms = [Hypothesis(f"form {k}", "c", lambda stimuli, k=k: stimuli["rho_s"] ** (k + 1)) for k in range(4)]
+    confirmed = confirm_hypotheses(forms, STIMULI, pairs)
+    figure = draw_hypotheses(forms, CONTRAST, rated_by(HYPOTHESES_C[2]), confirmed=confirmed, title="simulated $x$")
+    figure.draw_without_rendering()  # warnings are errors
+    assert [axes.get_xlabel() for axes in figure.axes] == [*(one.name for one in forms), "Stress-1"]
+    tops = [axes.get_position().y1 for axes in figure.axes]
+    assert tops[4] < min(tops[:4])
+    assert figure.get_suptitle() == "simulated $x$"
+    alone = draw_hypotheses(forms, CONTRAST, None, confirmed=confirmed)
+    assert [axes.get_xlabel() for axes in alone.axes] == ["Stress-1"]
 
 
 def test_table_and_figure_show_every_hypothesis(pairs):

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from gloss_analysis.judgement_table import COLUMNS, from_table, read_table
+from gloss_analysis.judgements.judgement_table import COLUMNS, from_table, read_table
 from glossspace.errors import GlossError
 
 

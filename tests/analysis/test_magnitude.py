@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from gloss_analysis.magnitude import mean_ratings, rater_consistency, regress_ratings
+from gloss_analysis.ratings.magnitude import mean_ratings, rater_consistency, regress_ratings
 from glossspace.errors import GlossError
 
 

@@ -16,7 +16,7 @@ from gloss_analysis.figures import (
     save_mds_figures,
 )
 from gloss_analysis.figures.labels import levels_of
-from gloss_analysis.judgement_table import read_table
+from gloss_analysis.judgements.judgement_table import read_table
 from gloss_analysis.mds import scale
 from glossspace.errors import GlossError
 from glossspace.files import shipped_folder

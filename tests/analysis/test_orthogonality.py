@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
+from gloss_analysis.confirmatory.orthogonality import check_orthogonality
 from gloss_analysis.mds.objective import stress_of_sources
 from gloss_analysis.mds.problem import make_problem
-from gloss_analysis.orthogonality import check_orthogonality
 from glossspace.errors import GlossError
 from tests.analysis.studies import STIMULI, axis_values, named
 

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from gloss_analysis.rating_table import from_rating_table, read_ratings, varied_axis
+from gloss_analysis.ratings.rating_table import from_rating_table, read_ratings, varied_axis
 from glossspace.errors import GlossError
 
 STIMULI = pd.DataFrame(

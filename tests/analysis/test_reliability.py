@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from gloss_analysis.reliability import reliability
+from gloss_analysis.judgements.reliability import reliability
 
 COLUMNS = ["participant_id", "stimulus_a", "stimulus_b", "dissimilarity"]
 

@@ -6,8 +6,8 @@ import json
 import numpy as np
 import pytest
 
-from gloss_analysis.judgement_table import read_table
-from gloss_analysis.validation import compare_metrics
+from gloss_analysis.judgements.judgement_table import read_table
+from gloss_analysis.validation.metric_validation import compare_metrics
 from glossspace.dataset import write_session_data
 from glossspace.metric import GlossSpace, Paint
 from tests.analysis.studies import EXPERIMENT_1, STIMULI, judged_by

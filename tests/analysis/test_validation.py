@@ -9,11 +9,11 @@ from colour.difference import index_stress
 from scipy.stats import f as f_distribution
 
 import gloss_analysis.figures.validation
-import gloss_analysis.stress_index
-import gloss_analysis.validation
+import gloss_analysis.validation.metric_validation
+import gloss_analysis.validation.stress_index
 from gloss_analysis.figures.validation import draw_predicted_against_judged
-from gloss_analysis.stress_index import common_judgement, stress_index
-from gloss_analysis.validation import compare_metrics, validate_metric
+from gloss_analysis.validation.metric_validation import compare_metrics, validate_metric
+from gloss_analysis.validation.stress_index import common_judgement, stress_index
 from glossspace.errors import GlossError
 from tests.analysis.studies import named
 
@@ -28,7 +28,12 @@ def noisy():
 
 
 @pytest.mark.parametrize(
-    "module", [gloss_analysis.stress_index, gloss_analysis.validation, gloss_analysis.figures.validation]
+    "module",
+    [
+        gloss_analysis.validation.stress_index,
+        gloss_analysis.validation.metric_validation,
+        gloss_analysis.figures.validation,
+    ],
 )
 def test_examples_of_docstrings(module):
     failed, tried = doctest.testmod(module)

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 import gloss_pipeline.reproduce as pipeline
-from gloss_analysis.report import _rendering_summary
-from gloss_analysis.study import dataset_folder, gloss_space_file, read_study, report_file, stimulus_folder
+from gloss_analysis.report.folder import report_folder
+from gloss_analysis.report.provenance import rendering_summary
+from gloss_analysis.study.folder import dataset_folder, gloss_space_file, read_study, report_file, stimulus_folder
 from glossspace import cli
 from glossspace.dataset import read_simulated_observers
 from glossspace.errors import GlossError
-from glossspace.metric import GlossSpace
+from glossspace.metric import GlossSpace, Paint
 from glossspace.stimulus_set import StimulusSet, read_stimulus_set
 
 # Every step is the real one, only the images are small and less exact than a study's own.
@@ -87,9 +88,9 @@ def test_the_gloss_space_can_be_used(made):
 
 def test_the_report_is_one_file_with_the_papers_figures_and_says_what_is_simulated(study):
     page = report_file(study).read_text("utf-8")
-    for number in range(2, 11):
+    for number in range(2, 13):
         assert f"Fig. {number}:" in page
-    assert not re.search(r"""(src|href)\s*=\s*["'](?!data:)""", page)  # nothing to fetch
+    assert not re.search(r"""(src|href)\s*=\s*["'](?!data:|#)""", page)  # nothing to fetch
     images = re.findall(r'src="data:image/(png|svg\+xml);base64,([^"]+)"', page)
     assert len(images) == page.count("<img") >= 14
     for kind, content in images:
@@ -101,17 +102,42 @@ def test_the_report_is_one_file_with_the_papers_figures_and_says_what_is_simulat
     assert "Real data." in page
 
 
+def test_the_fitted_space_is_applied_as_in_section_5_of_the_paper(made, study):
+    space = made.analysis.fit.space
+    assert space.weight_d != GlossSpace().weight_d
+    rings = read_stimulus_set(stimulus_folder(study, "ring"))
+    reference, *others = (Paint(s.rho_d, s.rho_s, s.alpha) for s in rings.stimuli)
+    assert reference == (0.193, 0.066, 0.07)  # figure 11's: c = .087, d = .93
+    distances = [float(space.distance(reference, other)) for other in others]
+    # six digits of rho_s and of alpha
+    assert distances == pytest.approx([0.04] * 4 + [0.08] * 4, abs=2e-6)
+    matched = read_stimulus_set(stimulus_folder(study, "matched"))
+    white, *same = (Paint(s.rho_d, s.rho_s, s.alpha) for s in matched.stimuli)
+    assert [paint[1:] for paint in (white, *same[:2])] == [(0.099, 0.04)] * 3  # figure 12, top row
+    assert [float(space.distance(white, paint)) for paint in same[2:]] == pytest.approx([0, 0], abs=2e-6)
+    for name, stimuli in (("ring", rings), ("matched", matched)):
+        assert stimuli.manifest["rendering"]["target"] == {"max_code_error": 2.0, "fraction": 0.99}
+        assert "(simulated observers)" in stimuli.manifest["title"]
+        assert (stimuli.folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+        assert "(simulated observers)" in (stimuli.folder / f"{name}.svg").read_text("utf-8")
+
+
 def test_run_again_it_makes_nothing_anew_and_gives_the_same_report(study):
     def state():
         kept = ("stimuli/*/images/*", "stimuli/*/luminance/*", "dataset/data/**/*.csv", "dataset/journals/*")
         return {path: path.stat().st_mtime_ns for pattern in kept for path in study.glob(pattern)}
 
-    before, page = state(), report_file(study).read_bytes()
-    assert len(before) == 2 * (27 + 24 + 11) + 2 * 27
+    def report():
+        files = [report_file(study), *(path for path in report_folder(report_file(study)).rglob("*") if path.is_file())]
+        return {path: path.read_bytes() for path in files}
+
+    before, written = state(), report()
+    assert len(before) == 2 * (27 + 24 + 11 + 9 + 5) + 2 * 27  # 9 and 5 of the ring and the matched spheres
     report_file(study).unlink()
     pipeline.reproduce_study(study, **SMALL, n_jobs=1)
     assert state() == before
-    assert report_file(study).read_bytes() == page  # also with another number of processes
+    assert report() == written  # also with another number of processes
+    assert {"methods.md", "contents.json", "fig11-isogloss-ring.svg", "fig05-stress.pdf"} <= {p.name for p in written}
 
 
 def test_other_settings_are_refused_in_the_same_folder(study):
@@ -139,8 +165,9 @@ def test_a_study_of_another_version_is_told(tmp_path):
 
 
 def test_sets_of_a_study_share_what_they_have_in_common_inside_its_folder(study):
-    # Two levels of the diffuse part and of each of the DOI set's eleven roughnesses, which hold those of the others.
-    assert len(list((study / "stimuli" / "coefficients").iterdir())) == 2 * (1 + 11)
+    # Two levels of the diffuse part and of each of the DOI set's eleven roughnesses, which hold those of the other sets
+    # but for four of the ring: at 12 and 6 o'clock of two contours.
+    assert len(list((study / "stimuli" / "coefficients").iterdir())) == 2 * (1 + 11 + 4)
 
 
 def test_a_report_on_an_older_set_says_its_quality(study):
@@ -149,8 +176,8 @@ def test_a_report_on_an_older_set_says_its_quality(study):
     manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
     older = {"method": "coefficient path tracing", "quality": "draft", "seed": 7, "randomisations": 8}
     stimuli = StimulusSet(folder, "doi", (), {**manifest, "rendering": older})
-    assert _rendering_summary(stimuli).startswith("method coefficient path tracing; quality draft; seed 7; error of")
-    assert _rendering_summary(StimulusSet(folder, "doi", (), {"stimuli": [{}]})) == ""
+    assert rendering_summary(stimuli).startswith("method coefficient path tracing; quality draft; seed 7; error of")
+    assert rendering_summary(StimulusSet(folder, "doi", (), {"stimuli": [{}]})) == ""
 
 
 def test_without_options_the_images_are_exact_and_of_512_pixels(monkeypatch, tmp_path):

@@ -326,6 +326,13 @@ def test_simulated_observers(study):
     assert np.all(table["ratio"] == 1.7)
     with pytest.raises(GlossError, match=r"Participant '01' .* already simulated with other parameters .weight_c 1,"):
         record_simulated_observer(study, "01", {**PARAMETERS, "weight_d": 2.0})
+    looking = {"weight_contrast": 1.0, "weight_sharpness": 0.9, "exponent": 0.8, "noise_sd": 4.0, "sees": "images"}
+    record_simulated_observer(study, "03", looking)
+    table = read_simulated_observers(study).set_index("participant_id")
+    assert np.isnan(table.loc["03", ["weight_c", "weight_d", "ratio"]].astype(float)).all(), "it saw no c and d"
+    assert table.loc["03", "sees"] == "images"
+    with pytest.raises(GlossError, match=r"already simulated with other parameters .*sees images"):
+        record_simulated_observer(study, "03", PARAMETERS)
     edit(study / "simulated_observers.json", '"version": 1', '"version": 2')
     with pytest.raises(GlossError, match=r"version 2; this version reads .* version 1"):
         read_simulated_observers(study)
@@ -337,7 +344,7 @@ def test_simulated_observers(study):
 def test_a_damaged_list_of_simulated_observers(tmp_path, observers):
     document = {"format": "gloss-simulated-observers", "version": 1, "observers": observers}
     (tmp_path / "simulated_observers.json").write_text(json.dumps(document))
-    with pytest.raises(GlossError, match=r"is damaged: each of its observers must have the numbers weight_c"):
+    with pytest.raises(GlossError, match=r"is damaged: each of its observers must have the numbers exponent, noise_sd"):
         read_simulated_observers(tmp_path)
 
 

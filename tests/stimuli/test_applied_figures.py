@@ -93,12 +93,13 @@ def test_a_place_without_a_paint_stays_empty(pictured):
     assert "no paint of this lightness" in figure.axes[3].texts[0].get_text()
 
 
-def test_files_are_png_and_svg_and_the_same_every_time(pictured, tmp_path):
+def test_files_are_png_svg_and_pdf_and_the_same_every_time(pictured, tmp_path):
     ring = isogloss_ring(SIMULATED, n=3)
     rendered = pictured(ring)
-    png, svg = save_figure(draw_isogloss_ring(ring, rendered), tmp_path / "one.two")
-    assert (png.name, svg.name) == ("one.two.png", "one.two.svg")
+    png, svg, pdf = save_figure(draw_isogloss_ring(ring, rendered), tmp_path / "one.two")
+    assert (png.name, svg.name, pdf.name) == ("one.two.png", "one.two.svg", "one.two.pdf")
+    assert pdf.read_bytes().startswith(b"%PDF")
     assert png.read_bytes().startswith(b"\x89PNG")
     assert "ours $1 (simulated observers)" in svg.read_text("utf-8")
     again = save_figure(draw_isogloss_ring(ring, rendered), tmp_path / "again")
-    assert [path.read_bytes() for path in again] == [png.read_bytes(), svg.read_bytes()]
+    assert [path.read_bytes() for path in again] == [one.read_bytes() for one in (png, svg, pdf)]

@@ -12,7 +12,7 @@ from scipy.linalg import null_space
 from scipy.optimize import linear_sum_assignment
 
 from gloss_analysis.axes.property_fitting import centred_points, property_vector
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds import MdsSolution
 from gloss_analysis.mds.descent import descend_all
 from gloss_analysis.mds.kernels import DIAGONAL

@@ -14,9 +14,9 @@ from glossspace.errors import GlossError
 from glossspace.files import check_file_target
 
 if TYPE_CHECKING:  # for the annotations: the analysis itself is imported once it runs
-    from gloss_analysis.axis_forms import FormChoice
-    from gloss_analysis.dissimilarity import Dissimilarities
+    from gloss_analysis.axis_functions.axis_forms import FormChoice
     from gloss_analysis.fit import AxisFunctionsFit
+    from gloss_analysis.judgements.dissimilarity import Dissimilarities
 
 __all__ = ["fit"]
 
@@ -134,7 +134,8 @@ def fit(
 
 
 def _from_dataset(dataset: Path, stimuli: Path | None) -> _Judgements:
-    from gloss_analysis.judgement_table import from_table
+    from gloss_analysis.judgements.judgement_table import from_table
+    from gloss_analysis.judgements.participant_remarks import judgement_remarks
     from glossspace.dataset import (
         read_dissimilarities,
         read_magnitudes,
@@ -147,9 +148,12 @@ def _from_dataset(dataset: Path, stimuli: Path | None) -> _Judgements:
     kinds = tasks_of(dataset)
     rated = [task for task, kind in kinds.items() if kind == "magnitude"]
     studies = {axis: task for task, axis in _TASKS.items() if task in rated}
-    pairs = None
+    pairs: Dissimilarities | None = None
+    odd: tuple[str, ...] = ()
     if "pairwise" in kinds.values() or not studies:  # with neither, the error says how to get pairs
-        pairs = from_table(read_dissimilarities(dataset), source=f"The dataset '{dataset}'")
+        table = read_dissimilarities(dataset)
+        pairs = from_table(table, source=f"The dataset '{dataset}'")
+        odd = judgement_remarks(pairs, table)
     unused = [task for task in rated if task not in _TASKS]
     return _Judgements(
         stimuli=read_stimuli(dataset) if stimuli is None else read_stimulus_table(stimuli),
@@ -157,19 +161,21 @@ def _from_dataset(dataset: Path, stimuli: Path | None) -> _Judgements:
         ratings={axis: read_magnitudes(dataset, task) for axis, task in studies.items()},
         simulated=simulated_participants(dataset),
         name=f"fitted to {dataset.resolve().name}",
-        remarks=tuple(
-            f"The ratings of the task {task!r} are not used: it is none of {', '.join(_TASKS)}." for task in unused
+        remarks=(
+            *odd,
+            *(f"The ratings of the task {task!r} are not used: it is none of {', '.join(_TASKS)}." for task in unused),
         ),
     )
 
 
 def _from_tables(pairs: Path | None, magnitudes: Path | None, stimuli: Path) -> _Judgements:
-    from gloss_analysis.judgement_table import read_table
-    from gloss_analysis.rating_table import read_ratings
+    from gloss_analysis.judgements.judgement_table import read_judgements
+    from gloss_analysis.judgements.participant_remarks import judgement_remarks
+    from gloss_analysis.ratings.rating_table import read_ratings
     from glossspace.dataset import read_stimulus_table
 
     known = read_stimulus_table(stimuli)
-    judged = None if pairs is None else read_table(pairs)
+    judged, table = (None, None) if pairs is None else read_judgements(pairs)
     ratings = {} if magnitudes is None else read_ratings(magnitudes, known)
     # The pairs may be those of a dataset, which says who is a program.
     simulated = [] if pairs is None or judged is None else simulated_of(pairs, judged.participants)
@@ -179,6 +185,7 @@ def _from_tables(pairs: Path | None, magnitudes: Path | None, stimuli: Path) -> 
         ratings={str(axis): table for axis, table in ratings.items()},
         simulated=tuple(simulated),
         name=f"fitted to {' and '.join(path.resolve().name for path in (pairs, magnitudes) if path is not None)}",
+        remarks=() if judged is None else judgement_remarks(judged, table),
     )
 
 

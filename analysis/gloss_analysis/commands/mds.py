@@ -56,6 +56,8 @@ def mds(
     bootstrap: WholeNumber = 0,
     seed: Seed = 1,
     jobs: NumberOfJobs = 1,
+    backend: Literal["threads", "dask"] = "threads",
+    scheduler: str | None = None,
     out: Path | None = None,
     figures: Path | None = None,
     json: JsonFlag = False,
@@ -102,21 +104,28 @@ def mds(
         Of everything random.
     jobs
         Threads, 0 for one a core; the result does not depend on it.
+    backend
+        dask: the cluster at --scheduler does --replicates and --bootstrap in place of this machine's threads.
+    scheduler
+        Address of a Dask scheduler, such as tcp://host:8786.
     out
         With one number of dimensions: a JSON file for the whole solution.
     figures
         A folder for figures.
     """
+    from gloss_analysis.cluster import workers
     from gloss_analysis.dimensionality.stress_curve import stress_curve
     from gloss_analysis.dimensionality.study import study_dimensionality
-    from gloss_analysis.judgement_table import read_judgements
-    from gloss_analysis.reliability import reliability
+    from gloss_analysis.judgements.judgement_table import read_judgements
+    from gloss_analysis.judgements.participant_remarks import judgement_remarks
+    from gloss_analysis.judgements.reliability import reliability
     from gloss_analysis.uncertainty.bootstrap import bootstrap as resample
 
     wanted = _dimensions(dims)
     _check_extras(wanted, starts=starts, replicates=replicates, bootstrap=bootstrap, out=out, figures=figures)
     data, judgements = read_judgements(table, repeats=repeats)
     simulated = simulated_of(table, data.participants)
+    remarks = judgement_remarks(data, judgements)
     room = len(data.stimuli) - 1
     if wanted[0] <= room < wanted[-1]:
         note(f"{len(data.stimuli)} stimuli have room for {room} dimensions at most; more of them are left out.")
@@ -126,7 +135,7 @@ def mds(
     assumed: dict[str, Any] = {"model": model, "level": level, "ties": ties, "conditional": not unconditional}
     study: DimensionalityStudy | None = None
     regions: BootstrapResult | None = None
-    with progress_bar() as progress:
+    with workers(backend, scheduler), progress_bar() as progress:
         task = progress.add_task("Scaling", total=len(wanted))
         if replicates:
             study = study_dimensionality(
@@ -154,7 +163,7 @@ def mds(
         print_json(
             {"stimuli": data.stimuli, "participants": data.participants, "simulated": simulated}
             | assumed
-            | {"seed": seed}
+            | {"seed": seed, "warnings": remarks}
             | {"reliability": [] if judgements is None else [asdict(one) for one in reliability(judgements)]}
             | {"solutions": [solution_document(one) for one in solutions]}
             | ({} if study is None else {"dimensionality": dimensionality_document(study)})
@@ -166,6 +175,8 @@ def mds(
         print_dimensionality(study)
     if regions is not None:
         print_regions(regions)
+    for remark in remarks:
+        note(remark)
 
 
 def _check_extras(
@@ -205,8 +216,8 @@ def _check_replaceable(out: Path) -> None:
 
 def _compile() -> None:
     """Let the solver's kernels be compiled by a tiny problem, and say so if that took long."""
+    from gloss_analysis.judgements.square_matrix import from_matrices
     from gloss_analysis.mds import scale
-    from gloss_analysis.square_matrix import from_matrices
 
     start = time.perf_counter()
     scale(from_matrices([[0, 1, 2], [1, 0, 4], [2, 4, 0]]), n_dims=2, n_starts=1)

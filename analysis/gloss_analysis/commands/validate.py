@@ -13,8 +13,8 @@ from glossspace.errors import GlossError
 from glossspace.named_space import named_space, note_simulated_space
 
 if TYPE_CHECKING:
-    from gloss_analysis.dissimilarity import Dissimilarities
-    from gloss_analysis.validation import MetricComparison, MetricValidation
+    from gloss_analysis.judgements.dissimilarity import Dissimilarities
+    from gloss_analysis.validation.metric_validation import MetricComparison, MetricValidation
     from glossspace.metric import GlossSpace
 
 __all__ = ["validate"]
@@ -59,8 +59,9 @@ def validate(
     figure
         A file for a picture of judged against predicted differences.
     """
-    from gloss_analysis.judgement_table import read_table
-    from gloss_analysis.validation import compare_metrics, validate_metric
+    from gloss_analysis.judgements.judgement_table import read_judgements
+    from gloss_analysis.judgements.participant_remarks import judgement_remarks
+    from gloss_analysis.validation.metric_validation import compare_metrics, validate_metric
     from glossspace.dataset import read_stimuli, read_stimulus_table
 
     if figure is not None and figure.suffix.lower() not in _FIGURE_SUFFIXES:
@@ -71,13 +72,14 @@ def validate(
             "rho_d, rho_s, alpha."
         )
     spaces = [named_space(name) for name in (space, against) if name is not None]
-    pairs = read_table(table)
+    pairs, judgements = read_judgements(table)
     known = read_stimuli(table) if stimuli is None else read_stimulus_table(stimuli)
     predicted = [_predicted(one, known, pairs) for one in spaces]
     comparison = compare_metrics(pairs, *predicted) if len(spaces) == 2 else None
     validations = (
         [validate_metric(pairs, predicted[0])] if comparison is None else [comparison.first, comparison.second]
     )
+    remarks = (*judgement_remarks(pairs, judgements), *_untested(known, pairs))
     simulated = simulated_of(table, pairs.participants)
     note_simulated(simulated, pairs.participants)
     for one in spaces:
@@ -90,15 +92,28 @@ def validate(
         print_json(
             {"space": spaces[0].name}
             | _document(validations[0])
-            | {"simulated": simulated}
+            | {"simulated": simulated, "warnings": (*validations[0].warnings, *remarks)}
             | ({} if comparison is None else {"against": _against(comparison, spaces[1].name)})
         )
         return
     _print(validations, comparison, [one.name for one in spaces])
+    for remark in remarks:
+        note(remark)
+
+
+def _untested(stimuli: pd.DataFrame, pairs: "Dissimilarities") -> list[str]:
+    """What the judged stimuli do not vary, so that no judgement can speak for or against it."""
+    judged = stimuli[stimuli["stimulus"].isin(pairs.stimuli)]
+    remarks = []
+    for column, what in (("rho_d", "how c depends on lightness"), ("alpha", "what it says of distinctness d")):
+        values = judged[column].unique()
+        if len(values) == 1:
+            remarks.append(f"All judged stimuli have {column} = {values[0]:g}: of a space, {what} is not tested here.")
+    return remarks
 
 
 def _predicted(space: "GlossSpace", stimuli: pd.DataFrame, pairs: "Dissimilarities") -> np.ndarray:
-    from gloss_analysis.coordinates import axis_coordinates
+    from gloss_analysis.axis_functions.coordinates import axis_coordinates
 
     c, d = axis_coordinates(stimuli, list(pairs.stimuli), space)[["c", "d"]].to_numpy().T
     first, second = pairs.pairs

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.stats import rankdata
 
 from gloss_analysis.dimensionality.quick_scaling import QuickFit, possible_dims, quick_curve
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds import Level, Model, Ties
 from gloss_analysis.mds.diagnostics import check_scalable
 from gloss_analysis.replicates import OnStep, in_parallel, no_step, whole_number

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from gloss_analysis.dimensionality.quick_scaling import possible_dims, quick_curve
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds import Level, Model, Ties
 from gloss_analysis.replicates import OnStep, in_parallel, no_step, whole_number
 from glossspace.errors import GlossError

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds import Level, MdsSolution, Model, Ties, scale
 from gloss_analysis.mds.descent import descend_all
 from gloss_analysis.mds.diagnostics import check_scalable

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds import MdsSolution, Model, scale
 from gloss_analysis.mds.disparities import Level, Ties
 

@@ -15,7 +15,7 @@ from gloss_analysis.dimensionality.held_out import HeldOut, cross_validated_stre
 from gloss_analysis.dimensionality.null_stress import NULL_STARTS, permuted_stress, random_stress
 from gloss_analysis.dimensionality.quick_scaling import possible_dims, quick_curve
 from gloss_analysis.dimensionality.stress_curve import stress_curve
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds import Level, MdsSolution, Model, Ties
 from gloss_analysis.replicates import OnStep, no_step, whole_number
 from glossspace.errors import GlossError

@@ -9,13 +9,14 @@ from gloss_analysis.figures.examples import draw_city_map, draw_colour_circle, d
 from gloss_analysis.figures.files import save_mds_figures
 from gloss_analysis.figures.gloss import draw_composite, draw_envelope, draw_gloss_space, draw_ratings
 from gloss_analysis.figures.hypotheses import draw_hypotheses
+from gloss_analysis.figures.orthogonality import draw_orthogonality
 from gloss_analysis.figures.scaling import (
     draw_axis_ratios,
     draw_configuration,
     draw_identity_configuration,
     draw_rotation_cost,
 )
-from gloss_analysis.figures.validation import draw_predicted_against_judged
+from gloss_analysis.figures.validation import draw_metric_stress, draw_predicted_against_judged
 
 __all__ = [
     "draw_axis_ratios",
@@ -28,6 +29,8 @@ __all__ = [
     "draw_gloss_space",
     "draw_hypotheses",
     "draw_identity_configuration",
+    "draw_metric_stress",
+    "draw_orthogonality",
     "draw_participant_weights",
     "draw_predicted_against_judged",
     "draw_ratings",

@@ -2,8 +2,9 @@
 
 from typing import TYPE_CHECKING
 
-from gloss_analysis.examples import HUE_ORDER, CityMap, ColourCircle
+from gloss_analysis.figures.labels import name_points
 from gloss_analysis.figures.style import BLUE, ORANGE, new_figure, tidy
+from gloss_analysis.study.examples import HUE_ORDER, CityMap, ColourCircle
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -65,12 +66,12 @@ def draw_participant_weights(circle: ColourCircle) -> "Figure":
         rows = [circle.solution.participants.index(name) for name in names]
         weights = circle.solution.dimension_weights[rows]
         axes.plot(weights[:, across], weights[:, upright], marker, color=colour, label=label)
-        if names == circle.deficient:  # the others lie too close together to be named
-            for name, weight in zip(names, weights, strict=True):
-                place = (weight[across], weight[upright])
-                axes.annotate(name, place, xytext=(6, 3), textcoords="offset points", fontsize=8)
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
     axes.legend(frameon=False, fontsize=8, loc="lower left")
     tidy(axes)
+    # The others lie too close together to be named.
+    deficient = [circle.solution.participants.index(name) for name in circle.deficient]
+    axes.margins(x=0.12)
+    name_points(figure, axes, circle.solution.dimension_weights[deficient][:, [across, upright]], circle.deficient)
     return figure

@@ -6,8 +6,9 @@ import numpy as np
 import pandas as pd
 
 from gloss_analysis.figures.style import BLUE, ORANGE, draw_stimuli, legend_below, new_figure, tidy
-from gloss_analysis.magnitude import AxisRegression
-from glossspace.metric import GlossSpace, fixed_energy_contrast_gloss, lightness, max_contrast_gloss
+from gloss_analysis.ratings.magnitude import AxisRegression
+from gloss_analysis.ratings.rating_uncertainty import line_band
+from glossspace.metric import GlossSpace, Paint, fixed_energy_contrast_gloss, lightness, max_contrast_gloss
 from glossspace.stimulus_set import StimulusSet
 
 if TYPE_CHECKING:
@@ -45,11 +46,15 @@ def draw_composite(stimuli: StimulusSet) -> "Figure":
 
 
 def draw_ratings(rated: pd.DataFrame, axis: str, fit: AxisRegression) -> "Figure":
-    """Mean ratings against an axis, with the fitted line (figures 7 and 8)."""
+    """Mean ratings with 95 % t intervals against an axis, with the fitted line and its 95 % band (figures 7 and 8)."""
     figure = new_figure(4.8, 3.6)
     axes = figure.add_subplot(xlabel=_AXIS_LABELS[axis], ylabel="mean rating (0–100)")
-    axes.errorbar(rated[axis], rated["rating"], yerr=rated["standard_error"], fmt="o", color=BLUE, ms=4, lw=0.9)
+    # A single participant has no interval: NaN, which matplotlib leaves out.
+    bars = np.vstack([rated["rating"] - rated["ci_low"], rated["ci_high"] - rated["rating"]])
+    axes.errorbar(rated[axis], rated["rating"], yerr=bars, fmt="o", color=BLUE, ms=4, lw=0.9)
     ends = np.array([rated[axis].min(), rated[axis].max()])
+    along = np.linspace(ends[0], ends[1], 101)
+    axes.fill_between(along, *line_band(rated[axis], rated["rating"], along), color=ORANGE, alpha=0.18, lw=0)
     axes.plot(ends, fit.intercept + fit.slope * ends, color=ORANGE, label=f"line, r² = {fit.r_squared:.3f}")
     axes.legend(frameon=False)
     tidy(axes)
@@ -57,9 +62,14 @@ def draw_ratings(rated: pd.DataFrame, axis: str, fit: AxisRegression) -> "Figure
 
 
 def draw_gloss_space(stimuli: pd.DataFrame, space: GlossSpace) -> "Figure":
-    """Stimuli in the gloss space with lightness as third axis, and seen along it (figure 9)."""
+    """Stimuli in the gloss space with lightness as third axis, and seen along it (figure 9).
+
+    Bars on the left show where the levels of d would lie at both ends of the interval of their weight, about the middle
+    of all.
+    """
     figure = new_figure(10, 4.2)
-    c, d = space.weight_c * stimuli["c"].to_numpy(), space.weight_d * stimuli["d"].to_numpy()
+    own_c, own_d = space.coordinates(Paint(*(stimuli[key].to_numpy() for key in Paint._fields)))
+    c, d = space.weight_c * own_c, space.weight_d * own_d
     grid = figure.add_gridspec(1, 2, width_ratios=[1.25, 1], wspace=0.12)
     solid: Any = figure.add_subplot(grid[0], projection="3d")
     grey = (stimuli["lightness"].to_numpy() / 100)[:, np.newaxis].repeat(3, axis=1)
@@ -69,6 +79,10 @@ def draw_gloss_space(stimuli: pd.DataFrame, space: GlossSpace) -> "Figure":
     solid.set_box_aspect(None, zoom=0.86)  # leaves room for the label of the upright axis
     flat = figure.add_subplot(grid[1], xlabel="c", ylabel=f"{space.weight_d:.2f} d", aspect="equal")
     draw_stimuli(flat, c, d, stimuli)
+    if space.weight_d_ci95 is not None:
+        levels = np.unique(own_d) - own_d.mean()
+        low, high = np.sort(space.weight_c * np.outer(space.weight_d_ci95, levels), axis=0) + d.mean()
+        flat.vlines(np.full(len(levels), c.min() - 0.08 * np.ptp(c)), low, high, color=ORANGE, lw=2)
     legend_below(flat)
     tidy(flat)
     return figure

@@ -1,18 +1,22 @@
 """Figure 6 of the gloss paper, and what stands behind it: rotation cost, participants' axis ratios."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
-from gloss_analysis.confirmatory import ConfirmatoryFit
+from gloss_analysis.confirmatory.scaling import ConfirmatoryFit
+from gloss_analysis.figures.labels import name_ticks
 from gloss_analysis.figures.style import BLUE, ORANGE, draw_stimuli, legend_below, new_figure, tidy
-from gloss_analysis.study import StudyAnalysis
+from gloss_analysis.study.analysis import StudyAnalysis
+from gloss_analysis.uncertainty.ellipses import Ellipse, ellipse
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = [
+    "configuration_regions",
     "draw_axis_ratios",
     "draw_configuration",
     "draw_identity_configuration",
@@ -21,12 +25,21 @@ __all__ = [
 
 
 def draw_configuration(analysis: StudyAnalysis) -> "Figure":
-    """Draw the weighted two-dimensional solution, permuted and reflected towards (c, d), never turned (figure 6)."""
+    """Draw the weighted two-dimensional solution, permuted and reflected towards (c, d), never turned (figure 6).
+
+    Ellipses, where participants could be resampled, are the 95 % regions of the stimuli.
+    """
+    from matplotlib.patches import Ellipse as EllipsePatch
+
     reading = analysis.axes
     points = analysis.plane.coordinates[:, reading.order] * reading.sign
     figure = new_figure(4.8, 3.3)
     axes = figure.add_subplot(xlabel="dimension matched to c", ylabel="dimension matched to d", aspect="equal")
-    draw_stimuli(axes, points[:, 0], points[:, 1], _stimuli(analysis))
+    draw_stimuli(axes, points[:, 0], points[:, 1], _stimuli(analysis), zorder=2)
+    for region in configuration_regions(analysis):
+        drawn = EllipsePatch(tuple(region.centre), *(2 * region.semi_axes), angle=region.angle_deg, fc=BLUE, ec=BLUE)
+        drawn.set(alpha=0.35, linewidth=0.8, zorder=1)
+        axes.add_patch(drawn)
     reach = 0.55 * np.abs(points).max()
     for axis, colour in (("c", ORANGE), ("d", BLUE)):
         direction = reading.vectors[axis].direction[reading.order] * reading.sign
@@ -41,6 +54,15 @@ def draw_configuration(analysis: StudyAnalysis) -> "Figure":
     legend_below(axes)
     tidy(axes)
     return figure
+
+
+def configuration_regions(analysis: StudyAnalysis) -> tuple[Ellipse, ...]:
+    """95 % region of every stimulus in the plane of `draw_configuration`; empty where nobody could be resampled."""
+    if analysis.resampled is None:
+        return ()
+    reading = analysis.axes
+    replicates = analysis.resampled.coordinates[:, :, reading.order] * reading.sign
+    return tuple(ellipse(name, replicates[:, k]) for k, name in enumerate(analysis.plane.stimuli))
 
 
 def draw_identity_configuration(analysis: StudyAnalysis) -> "Figure":
@@ -65,12 +87,20 @@ def draw_rotation_cost(analysis: StudyAnalysis) -> "Figure":
     return figure
 
 
-def draw_axis_ratios(fit: ConfirmatoryFit, simulated: pd.DataFrame | None) -> "Figure":
-    """Weight of d over weight of c: each participant, the population's interval, and the truth where it is known."""
+def draw_axis_ratios(
+    fit: ConfirmatoryFit, simulated: pd.DataFrame | None, *, intervals: Mapping[str, tuple[float, float]]
+) -> "Figure":
+    """Weight of d over weight of c: each participant, the population's interval, and the truth where it is known.
+
+    `intervals` are those of `ratio_intervals`; who is not in them is drawn without a bar.
+    """
     figure = new_figure(5.2, 3.4)
     axes = figure.add_subplot(xlabel="participant", ylabel="weight of d / weight of c")
     place = np.arange(len(fit.participants))
-    axes.plot(place, [weights.ratio for weights in fit.individual], "o", color=BLUE, label="recovered")
+    ratios = np.array([weights.ratio for weights in fit.individual])
+    ends = np.array([intervals.get(name, (np.nan, np.nan)) for name in fit.participants])
+    bars = np.vstack([ratios - ends[:, 0], ends[:, 1] - ratios])
+    axes.errorbar(place, ratios, yerr=bars, fmt="o", color=BLUE, lw=1, capsize=2, label="recovered")
     if simulated is not None:
         truth = simulated.set_index("participant_id")["ratio"].reindex(list(fit.participants))
         axes.plot(place, truth, "_", color="black", ms=14, label="true, of the simulated observer")
@@ -78,7 +108,7 @@ def draw_axis_ratios(fit: ConfirmatoryFit, simulated: pd.DataFrame | None) -> "F
         axes.axhspan(*fit.population_ci95, color=BLUE, alpha=0.12, lw=0, label="95 % interval, population")
     axes.axhline(fit.population_ratio, color=BLUE, lw=0.9)
     axes.axhline(1.78, color=ORANGE, lw=0.9, ls="--", label="the paper's 1.78")
-    axes.set_xticks(place, fit.participants)
+    name_ticks(axes, "x", place, fit.participants)
     axes.set_ylim(bottom=0)
     axes.legend(frameon=False, fontsize=8, loc="lower right")
     tidy(axes)

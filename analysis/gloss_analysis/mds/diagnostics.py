@@ -4,7 +4,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds.disparities import Level, SourceOrder, Ties, disparities
 from gloss_analysis.mds.problem import Problem
 from glossspace.errors import GlossError

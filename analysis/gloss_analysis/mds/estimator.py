@@ -6,12 +6,12 @@ import numpy as np
 from sklearn.base import BaseEstimator
 from sklearn.utils import check_random_state
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.square_matrix import from_matrices
 from gloss_analysis.mds.disparities import Level, Ties
 from gloss_analysis.mds.restriction import FREE, Restriction
 from gloss_analysis.mds.search import scale
 from gloss_analysis.mds.solution import MdsSolution, Model
-from gloss_analysis.square_matrix import from_matrices
 
 __all__ = ["ThreeWayMDS"]
 

@@ -26,7 +26,7 @@ from joblib import Parallel, delayed
 from scipy.spatial.distance import squareform
 from scipy.stats import rankdata
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds.descent import Run, Start, descend_all
 from gloss_analysis.mds.disparities import Level, Ties
 from gloss_analysis.mds.exchange import distinct

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds.disparities import Level, SourceOrder, Ties, check_level, level_basis, source_order
 from gloss_analysis.mds.kernels import Pairs
 from gloss_analysis.mds.projection import METRIC, PRIMARY, SECONDARY, UNTIED

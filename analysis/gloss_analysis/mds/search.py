@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds.conventions import group_conventions, scaled_transforms, signed
 from gloss_analysis.mds.descent import Run, descend_all
 from gloss_analysis.mds.diagnostics import check_scalable, data_warnings, position_warnings, solution_warnings
@@ -106,7 +106,7 @@ def scale(
     Examples
     --------
     >>> import numpy as np
-    >>> from gloss_analysis.dissimilarity import Dissimilarities
+    >>> from gloss_analysis.judgements.dissimilarity import Dissimilarities
     >>> square = Dissimilarities(("a", "b", "c", "d"), ("1",), np.array([[1.0, 2.0, 1.0, 1.0, 2.0, 1.0]]))
     >>> bool(scale(square, n_dims=2, model="identity", level="ordinal", ties="secondary").stress1 < 1e-6)
     True

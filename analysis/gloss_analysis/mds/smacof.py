@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.distance import squareform
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds.diagnostics import check_scalable, informs
 from gloss_analysis.mds.disparities import Level, Ties, disparities
 from gloss_analysis.mds.objective import mean_square_stress, source_distances

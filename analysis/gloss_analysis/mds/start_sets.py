@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import orthogonal_procrustes
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds.conventions import group_conventions
 from gloss_analysis.mds.descent import Start, descend_all, jittered
 from gloss_analysis.mds.kernels import DIAGONAL, FIXED, FULL

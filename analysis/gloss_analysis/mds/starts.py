@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.stats import rankdata
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 
 __all__ = ["random_start", "torgerson_configuration", "torgerson_projections"]
 

@@ -11,7 +11,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from scipy.stats import t as student_t
 
-from gloss_analysis.dissimilarity import REPEATS, Dissimilarities, Repeats, Trials
+from gloss_analysis.judgements.dissimilarity import REPEATS, Dissimilarities, Repeats, Trials
 from gloss_analysis.mds import MdsSolution
 from gloss_analysis.replicates import OnStep, in_parallel, no_step
 from gloss_analysis.uncertainty.ellipses import Ellipse, ellipse

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student_t
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds import MdsSolution
 from gloss_analysis.replicates import OnStep, in_parallel, no_step
 from gloss_analysis.uncertainty.alignment import procrustes_distance

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds import MdsSolution
 from gloss_analysis.mds.descent import Start, descend_all, jittered
 from gloss_analysis.mds.diagnostics import check_scalable

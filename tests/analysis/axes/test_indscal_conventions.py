@@ -6,7 +6,7 @@ from scipy.spatial.distance import pdist
 
 import gloss_analysis
 from gloss_analysis.axes.indscal_conventions import CONVENTIONS, converted
-from gloss_analysis.judgement_table import read_table
+from gloss_analysis.judgements.judgement_table import read_table
 from gloss_analysis.mds import scale
 from glossspace.errors import GlossError
 from glossspace.files import shipped_folder

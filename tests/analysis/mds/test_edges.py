@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds import LEVELS, MODELS, TIES, scale
 from gloss_analysis.mds.diagnostics import check_scalable
 from glossspace.errors import GlossError

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import minimize
 from scipy.spatial.distance import pdist, squareform
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds import line
 from gloss_analysis.mds.disparities import disparities
 from gloss_analysis.mds.kernels import own_pairs

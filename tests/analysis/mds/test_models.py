@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import procrustes
 from scipy.spatial.distance import pdist
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds import external_variables, fixed_stimuli, scale
 from gloss_analysis.mds.objective import source_distances
 from glossspace.errors import GlossError

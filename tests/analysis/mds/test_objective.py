@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import approx_fprime
 from sklearn.isotonic import IsotonicRegression
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds.disparities import disparities
 from gloss_analysis.mds.kernels import DIAGONAL, FIXED, FULL, Form, own_pairs, value_and_gradient
 from gloss_analysis.mds.objective import (

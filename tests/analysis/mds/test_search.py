@@ -12,7 +12,7 @@ from scipy.spatial.distance import pdist, squareform
 from sklearn.manifold import MDS
 
 from gloss_analysis.dimensionality.stress_curve import stress_curve
-from gloss_analysis.judgement_table import read_table
+from gloss_analysis.judgements.judgement_table import read_table
 from gloss_analysis.mds import scale
 from gloss_analysis.mds.objective import mean_square_stress
 from gloss_analysis.mds.problem import make_problem

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from sklearn.base import clone
 
-from gloss_analysis.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
+from gloss_analysis.judgements.square_matrix import from_matrices
 from gloss_analysis.mds import load_solution, scale
 from gloss_analysis.mds.estimator import ThreeWayMDS
-from gloss_analysis.square_matrix import from_matrices
 from glossspace.errors import GlossError
 from tests.analysis.studies import judged_by, named
 

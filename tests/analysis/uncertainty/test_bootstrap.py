@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import procrustes
 from scipy.stats import t as student_t
 
-from gloss_analysis.dissimilarity import Dissimilarities, Trials
+from gloss_analysis.judgements.dissimilarity import Dissimilarities, Trials
 from gloss_analysis.mds import scale
 from gloss_analysis.uncertainty.alignment import aligned, procrustes_distance
 from gloss_analysis.uncertainty.bootstrap import bootstrap

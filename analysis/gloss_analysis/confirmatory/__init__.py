@@ -1,0 +1,1 @@
+"""Confirmatory scaling: given axes, estimated weights, and whether the axes hold."""

@@ -1,0 +1,1 @@
+"""Judged pairs, where they come from, and how far they can be trusted."""

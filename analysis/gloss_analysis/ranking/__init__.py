@@ -1,0 +1,1 @@
+"""Ranking studies: agreement with a predicted order, and among participants."""

@@ -1,0 +1,1 @@
+"""Ratings of single images: equalised scales, lines and curves, how sure they are."""

@@ -1,0 +1,1 @@
+"""The gloss paper's study: its folder, its analysis, its numbers beside the paper's."""
