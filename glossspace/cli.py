@@ -59,7 +59,12 @@ def make_app(words: list[str]) -> App:
     called = [command for command in commands if words[:1] == [command.name]]
     for command in called or commands:
         try:
-            app.command(command.load(), name=command.name, help_epilogue="")
+            loaded = command.load()
+            # A group of sub-commands, such as `gloss calibrate fit`, is an application that has its own name and help.
+            if isinstance(loaded, App):
+                app.command(loaded)
+            else:
+                app.command(loaded, name=command.name, help_epilogue="")
         except ModuleNotFoundError as error:
             advice = _install_advice(command, error)
             if called:

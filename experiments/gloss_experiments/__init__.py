@@ -1,18 +1,25 @@
-"""Observer sessions: protocols, trial order, the session's state machine, its journal, its screen, simulated observers.
+"""Observer sessions: protocols, trial order, the state machine of a session, journal, screen, simulated observers.
 
-The public functions are `run_session`, `read_protocol` and `simulated_observers`. PsychoPy is imported by the screen
-alone, when a session is shown.
+The public functions are `run_session`, `read_protocol` and `simulated_observers`, and for a whole dataset
+`check_dataset` and `rebuild_dataset`. PsychoPy is imported by the screen alone, when a session is shown.
 """
 
-from gloss_experiments.observer import SimulatedObserver, simulated_observers
+from gloss_experiments.dataset_check import DatasetCheck, check_dataset
+from gloss_experiments.observer import SimulatedObserver
+from gloss_experiments.observer_kinds import simulated_observers
 from gloss_experiments.protocol import Protocol, read_protocol
+from gloss_experiments.rebuild import RebuiltSession, rebuild_dataset
 from gloss_experiments.run import SessionResult, run_session
 
 __all__ = [
+    "DatasetCheck",
     "Protocol",
+    "RebuiltSession",
     "SessionResult",
     "SimulatedObserver",
+    "check_dataset",
     "read_protocol",
+    "rebuild_dataset",
     "run_session",
     "simulated_observers",
 ]

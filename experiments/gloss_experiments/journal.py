@@ -1,29 +1,28 @@
 """The journal of a session: one flushed line a trial, so that a kill at any moment loses at most the trial on screen.
 
 A journal is a file of JSON lines. The first is the header: what the session is, with the seed and the hashes that fix
-its order and its images. Then comes one line a trial, and a last one when the session is finished. Lines are appended,
-never changed. The operating system holds a lock on the file while a session writes it.
+its order and its images. Then comes one line a trial, those of practice and catch trials too, and a last one when the
+session is finished. Lines are appended, never changed. The operating system holds a lock on the file while a session
+writes it.
 """
 
 import contextlib
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from io import FileIO
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from gloss_experiments.design import Trial
-from gloss_experiments.session import Answer, checked_rating
+from gloss_experiments.journal_content import FORMAT, VERSION, parse_journal
+from gloss_experiments.session import Answer
 from glossspace.dataset.lock import try_lock
 from glossspace.errors import GlossError
 
 __all__ = ["FORMAT", "Journal", "journal_path"]
-
-FORMAT = "gloss-journal"
-VERSION = 1
 
 # What must not change between the two parts of an interrupted session, and how the user undoes a change.
 _FIXED = {
@@ -51,7 +50,7 @@ class Journal:
     header
         The header on the disk, None in a new journal.
     answers
-        The trials judged so far.
+        The trials answered so far, those of practice first.
     finished
         Whether the session is complete.
     torn
@@ -147,7 +146,7 @@ class Journal:
                 )
 
     def append(self, answer: Answer, *, mode: str) -> None:
-        """Write one judged trial and flush it to the disk.
+        """Write one trial, answered or timed out, and flush it to the disk.
 
         Raises
         ------
@@ -160,9 +159,13 @@ class Journal:
                 "trial": answer.trial.number,
                 "block": answer.trial.block,
                 "repeat": answer.trial.repeat,
+                "role": answer.trial.role,
                 "stimuli": list(answer.trial.stimuli),
                 "rating": answer.rating,
+                "order": None if answer.order is None else list(answer.order),
                 "response_time_s": answer.response_time_s,
+                "timed_out": answer.timed_out,
+                "trace": None if answer.trace is None else asdict(answer.trace),
                 "mode": mode,
             }
         )
@@ -210,32 +213,11 @@ class Journal:
 
     def _load(self) -> None:
         self._stream.seek(0)
-        content = self._stream.read()
-        whole = content[: content.rfind(b"\n") + 1]
-        if len(whole) < len(content):
-            self.torn = True
-            self._stream.truncate(len(whole))
-        for number, text in enumerate(whole.splitlines(), start=1):
-            try:
-                self._take(json.loads(text), number)
-            except (ValueError, KeyError, TypeError) as error:
-                raise GlossError(
-                    f"'{self.path}', line {number} cannot be read ({type(error).__name__}: {error}). "
-                    "Restore the journal from a backup, or begin anew under another session number."
-                ) from None
-
-    def _take(self, line: dict[str, Any], number: int) -> None:
-        if number == 1:
-            if line["format"] != FORMAT or line["version"] != VERSION:
-                raise ValueError(f"format {line['format']}, version {line['version']}; this version reads {FORMAT}, 1")
-            self.header = line
-        elif line["type"] == "trial":
-            trial = Trial(line["trial"], line["block"], line["repeat"], tuple(line["stimuli"]))
-            if trial.number != len(self.answers) + 1:
-                raise ValueError(f"trial {trial.number} follows trial {len(self.answers)}")
-            self.answers.append(Answer(trial, checked_rating(line["rating"]), line["response_time_s"]))
-        elif line["type"] == "finished":
-            self.finished = True
+        content = parse_journal(self._stream.read(), path=self.path)
+        if content.torn:
+            self._stream.truncate(content.n_whole_bytes)
+        self.header, self.answers = content.header, content.answers
+        self.finished, self.torn = content.finished, content.torn
 
 
 def _is_still_at(path: Path, stream: FileIO) -> bool:

@@ -6,7 +6,15 @@ from math import atan, degrees, radians, tan
 from gloss_experiments.protocol import Protocol
 from glossspace.errors import GlossError
 
-__all__ = ["Layout", "arrange", "checked_angle_deg", "round_even", "visual_angle_deg"]
+__all__ = [
+    "Layout",
+    "arrange",
+    "button_size_px",
+    "checked_angle_deg",
+    "refuse_odd_size",
+    "round_even",
+    "visual_angle_deg",
+]
 
 # An angle wrong by more than this would be seen in the data as a study of other stimuli.
 ANGLE_TOLERANCE = 0.02
@@ -64,6 +72,33 @@ def checked_angle_deg(protocol: Protocol, image_width_px: int) -> float | None:
     return angle
 
 
+def button_size_px(text_size_px: int) -> tuple[int, int]:
+    """Width and height of a button for texts of this size, both even.
+
+    Examples
+    --------
+    >>> button_size_px(24)
+    (192, 46)
+    """
+    return round_even(8 * text_size_px), round_even(1.9 * text_size_px)
+
+
+def refuse_odd_size(image_size_px: tuple[int, int]) -> None:
+    """Refuse images that cannot cover whole pixels about a whole pixel.
+
+    Raises
+    ------
+    GlossError
+        Width or height is odd.
+    """
+    width, height = image_size_px
+    if width % 2 or height % 2:
+        raise GlossError(
+            f"The images are {width} x {height} pixels; both must be even, or the screen blends neighbouring pixels. "
+            "Render the set again with an even --size."
+        )
+
+
 def arrange(protocol: Protocol, *, image_size_px: tuple[int, int], window_size_px: tuple[int, int]) -> Layout:
     """Lay out a trial: one or two images, and below them slider, labels, readout and button, together centred.
 
@@ -72,16 +107,12 @@ def arrange(protocol: Protocol, *, image_size_px: tuple[int, int], window_size_p
     GlossError
         It does not fit into the window, or the image has an odd size.
     """
+    refuse_odd_size(image_size_px)
     width, height = image_size_px
-    if width % 2 or height % 2:
-        raise GlossError(
-            f"The images are {width} x {height} pixels; both must be even, or the screen blends neighbouring pixels. "
-            "Render the set again with an even --size."
-        )
     line = round_even(1.6 * protocol.texts.size_px)
     gap = round_even(protocol.display.gap_deg / protocol.display.image_width_deg * width)
     n_images = 2 if protocol.kind == "pairwise" else 1
-    button_size = (round_even(8 * protocol.texts.size_px), round_even(1.9 * protocol.texts.size_px))
+    button_size = button_size_px(protocol.texts.size_px)
     needed = (
         max(n_images * width + (n_images - 1) * gap, protocol.slider.width_px + 2 * line),
         line + height + 6 * line + button_size[1],

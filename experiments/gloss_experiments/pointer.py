@@ -1,11 +1,14 @@
-"""A scripted mouse: it stands in for the real one, so that a simulated observer goes through the real window."""
+"""The pointer: its left button as the screens take it, and a scripted mouse that stands in for a hand."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Protocol
 
 from gloss_experiments.layout import Layout
 
-__all__ = ["Pointer", "ScriptedPointer", "slider_x"]
+__all__ = ["LeftButton", "Pointer", "ScriptedPointer", "Step", "click_steps", "drag_steps", "rating_steps", "slider_x"]
+
+Step = tuple[tuple[float, float], bool]
+"""Where a scripted pointer is in one frame, and whether its left button is down."""
 
 
 class Pointer(Protocol):
@@ -20,30 +23,70 @@ class Pointer(Protocol):
         """Whether the left, middle and right buttons are down."""
 
 
+class LeftButton:
+    """The left button as it counts: a press that began before this screen, or this trial, must come up first.
+
+    Attributes
+    ----------
+    armed
+        Whether it has been up since `rearm`.
+    down, just_pressed, just_released
+        As of the last `look`; False until it is armed.
+    """
+
+    def __init__(self, pointer: Pointer) -> None:
+        self._pointer = pointer
+        self.rearm()
+
+    def rearm(self) -> None:
+        """What is held now counts for nothing."""
+        self.armed = self.down = self.just_pressed = self.just_released = False
+
+    def look(self) -> None:
+        """Look at the button; once a frame."""
+        down = bool(self._pointer.getPressed()[0])
+        self.armed = self.armed or not down
+        down = down and self.armed
+        self.just_pressed, self.just_released = down and not self.down, self.down and not down
+        self.down = down
+
+
 def slider_x(rating: int, layout: Layout) -> float:
     """Horizontal position of a rating on the slider, in pixels from the centre of the window."""
     x, width = layout.slider[0], layout.slider_size[0]
     return x + width * (rating / 100 - 0.5)
 
 
+def rating_steps(rating: int, layout: Layout) -> list[Step]:
+    """The movements that set `rating` and confirm it, as a hand would: go there, press, let go, frame by frame."""
+    on_slider = (slider_x(rating, layout), float(layout.slider[1]))
+    return [(on_slider, False), (on_slider, True), (on_slider, False), *click_steps(layout.button)]
+
+
+def click_steps(place: tuple[float, float]) -> list[Step]:
+    """A click at `place`."""
+    return [(place, False), (place, True), (place, False)]
+
+
+def drag_steps(start: tuple[float, float], end: tuple[float, float]) -> list[Step]:
+    """The movements that drag what lies at `start` to `end`."""
+    halfway = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
+    return [(start, False), (start, True), (halfway, True), (end, True), (end, False)]
+
+
 class ScriptedPointer:
-    """A mouse that rates and confirms one trial at a time, as a hand would: go there, press, let go, frame by frame."""
+    """A mouse that moves as it is told, one step a frame; after the last step it stays where it is."""
 
     units = "pix"
 
-    def __init__(self, layout: Layout) -> None:
-        self._layout = layout
+    def __init__(self) -> None:
         self._place: tuple[float, float] = (0.0, 0.0)
         self._down = False
-        self._steps: Iterator[tuple[tuple[float, float], bool]] = iter(())
+        self._steps: Iterator[Step] = iter(())
 
-    def rate(self, rating: int) -> None:
-        """Begin the movements that set `rating` and confirm it."""
-        on_slider = (slider_x(rating, self._layout), float(self._layout.slider[1]))
-        on_button = (float(self._layout.button[0]), float(self._layout.button[1]))
-        self._steps = iter(
-            [(on_slider, False), (on_slider, True), (on_slider, False), (on_button, True), (on_button, False)]
-        )
+    def perform(self, steps: Iterable[Step]) -> None:
+        """Begin these steps, and forget any others."""
+        self._steps = iter(steps)
 
     def tick(self) -> None:
         """One frame on."""

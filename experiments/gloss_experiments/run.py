@@ -3,28 +3,29 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
-from gloss_experiments.design import Trial, design_trials, session_seed
 from gloss_experiments.drive import Mode, drive, open_presenter
-from gloss_experiments.journal import Journal, journal_path
-from gloss_experiments.layout import checked_angle_deg
-from gloss_experiments.observer import Judge, SimulatedObserver, observer_named
-from gloss_experiments.protocol import Protocol, read_protocol
-from gloss_experiments.provenance import circumstances, images_sha256
+from gloss_experiments.journal import Journal
+from gloss_experiments.observer import Judge, SimulatedObserver
+from gloss_experiments.observer_kinds import seen_axes
+from gloss_experiments.plan import SessionPlan, check_beginning, plan_session
+from gloss_experiments.protocol import Protocol
+from gloss_experiments.provenance import circumstances
 from gloss_experiments.session import Answer, Phase, SessionState, start_session
+from gloss_experiments.summary import SessionSummary, summarise, summary_lines
+from gloss_experiments.trial_rows import trial_rows
 from glossspace.dataset import (
-    data_path,
-    read_simulated_observers,
     record_simulated_observer,
     record_stimuli,
     update_description,
     write_session_data,
 )
-from glossspace.dataset.schema import checked_label
-from glossspace.dataset.write import Row
 from glossspace.errors import GlossError
-from glossspace.stimulus_set import StimulusSet, read_stimulus_set
+from glossspace.stimulus_set import StimulusSet
+
+if TYPE_CHECKING:
+    from gloss_experiments.preflight import Preflight
 
 __all__ = ["Mode", "SessionResult", "run_session"]
 
@@ -38,11 +39,15 @@ class SessionResult:
     data_path
         The data file; None where the session was stopped before its end.
     journal_path
-        The journal, with every trial judged so far.
+        The journal, with every trial answered so far.
     n_trials, n_answered, n_before
-        Trials of the session, how many are judged, and how many of those were judged before this run.
+        Trials of the session without practice, how many are answered, and how many of those were before this run.
     simulated
         Whether a program answered.
+    summary
+        What the answers so far say of the observer.
+    pilot
+        Whether it was a trial run, whose data are kept apart.
     already_finished
         Whether there was nothing left to do.
     torn
@@ -62,6 +67,8 @@ class SessionResult:
     simulated: bool
     mode: Mode
     seed: int
+    summary: SessionSummary
+    pilot: bool = False
     already_finished: bool = False
     torn: bool = False
     image_angle_deg: float | None = None
@@ -76,8 +83,13 @@ def run_session(
     session: str | int = "1",
     mode: Mode = "headless",
     seed: int | None = None,
-    observer: SimulatedObserver | None = None,
+    observer: SimulatedObserver | str | None = None,
+    pilot: bool = False,
+    calibration: str | Path | None = None,
+    override: str | None = None,
+    on_preflight: Callable[["Preflight"], None] | None = None,
     on_trial: Callable[[int, int], None] | None = None,
+    on_resume: Callable[[int, int], bool] | None = None,
 ) -> SessionResult:
     """Run a session, or what is left of it, and write its data file.
 
@@ -87,13 +99,13 @@ def run_session(
     Parameters
     ----------
     protocol
-        A protocol, a TOML file, or the name of a shipped one: ``"pairwise"``, ``"contrast"``, ``"doi"``.
+        A protocol, a TOML file, or the name of a shipped one: ``"pairwise"``, ``"contrast"``, ``"doi"``, ``"ranking"``.
     stimuli
         A stimulus set or its folder; its files are checked against their hashes.
     dataset
         Folder of the dataset; made if absent.
     participant, session
-        Letters and digits.
+        Letters and digits. Where the protocol splits its trials over several sessions, `session` says which part.
     mode
         ``"screen"``: a person at the screen. ``"simulate"``: a simulated observer through the real window.
         ``"headless"``: a simulated observer without one. The last two give the same answers.
@@ -101,9 +113,20 @@ def run_session(
         Of the study, 0 by default. With participant, session and protocol it fixes the order of the trials and the
         simulated answers. Without one, an interrupted session keeps its own.
     observer
-        The simulated observer; by default the one drawn for this participant and seed.
+        The simulated observer, or a kind of `observer_kinds.OBSERVER_KINDS`: the observer of that kind who stands for
+        this participant and seed. By default that of the kind ``"metric"``.
+    pilot
+        A trial run: its journal and data go into a dataset of their own, ``pilots`` inside `dataset`.
+    calibration
+        Of a person's screen, as `gloss calibrate` writes it; it is compared with the screen and the images.
+    override
+        Why the session is to run although the check of the screen found something off; recorded in the journal.
+    on_preflight
+        Called with what the check of a person's screen found, before it lets the session begin or refuses it.
     on_trial
-        Called with the number of trials judged and their total, after each.
+        Called with the number of trials answered and their total, after each; practice trials do not count.
+    on_resume
+        Called so before an interrupted session goes on; where it returns False, the session is left as it is.
 
     Raises
     ------
@@ -121,31 +144,52 @@ def run_session(
         raise GlossError("A simulated observer was given, but mode 'screen' is for a person; use 'simulate'.")
     if seed is not None and seed < 0:
         raise GlossError(f"The seed {seed} is not allowed; it is a whole number from 0.")
-    plan = _plan(protocol, stimuli, Path(dataset), participant, str(session), mode, seed, observer)
+    if mode != "screen" and (override is not None or calibration is not None):
+        raise GlossError("A calibration and an override are for the check of a person's screen; leave them out here.")
+    plan = plan_session(
+        protocol,
+        stimuli=stimuli,
+        dataset=Path(dataset),
+        participant=participant,
+        session=str(session),
+        mode=mode,
+        seed=seed,
+        observer=observer,
+        pilot=pilot,
+    )
     with Journal(plan.journal) as journal:
         if journal.header is not None:
             journal.check(plan.fixed())
             journal.check_order(plan.trials)
-        n_before = len(journal.answers)
-        state = start_session(plan.trials, n_answered=n_before)
+        design = plan.protocol.design
+        before = state = start_session(
+            plan.trials,
+            n_answered=len(journal.answers),
+            preview=design.preview,
+            break_every=design.break_every,
+        )
         already_finished = state.phase is Phase.DONE and plan.data.exists()
-        if state.phase is not Phase.DONE:
-            state = _run(plan, journal, state, on_trial)
-        if state.phase is Phase.DONE:
-            journal.finish()
-            _publish(plan, journal.answers)
+        goes_on = state.n_answered == 0 or on_resume is None or on_resume(*state.progress)
+        if state.phase is not Phase.DONE and goes_on:
+            check = _ScreenCheck(calibration, override, on_preflight)
+            state = _run(plan, journal, state, check, on_trial)
+        elif state.phase is Phase.DONE:
+            _complete(plan, journal)
+        n_answered, n_trials = state.progress
         return SessionResult(
             participant_id=plan.participant,
             session=plan.session,
             task=plan.protocol.name,
             data_path=plan.data if state.phase is Phase.DONE else None,
             journal_path=plan.journal,
-            n_trials=len(plan.trials),
-            n_answered=state.n_answered,
-            n_before=n_before,
+            n_trials=n_trials,
+            n_answered=n_answered,
+            n_before=before.progress[0],
             simulated=plan.observer is not None,
             mode=mode,
             seed=plan.seed,
+            summary=summarise(journal.answers),
+            pilot=pilot,
             already_finished=already_finished,
             torn=journal.torn,
             image_angle_deg=plan.image_angle_deg(),
@@ -153,148 +197,84 @@ def run_session(
 
 
 @dataclass(frozen=True)
-class _Plan:
-    """All that a session needs, checked: made before anything is written."""
+class _ScreenCheck:
+    """The check of a person's screen, before anything is written or shown."""
 
-    protocol: Protocol
-    stimulus_set: StimulusSet
-    dataset: Path
-    participant: str
-    session: str
-    mode: Mode
-    seed: int
-    order_seed: int
-    trials: tuple[Trial, ...]
-    observer: SimulatedObserver | None
-    journal: Path
-    data: Path
+    calibration: str | Path | None
+    override: str | None
+    on_preflight: Callable[["Preflight"], None] | None
 
-    def images(self) -> dict[str, Path]:
-        """The images that the trials show."""
-        names = sorted({name for trial in self.trials for name in trial.stimuli})
-        return {name: self.stimulus_set.image_path(name) for name in names}
+    def passed(self, plan: SessionPlan, presenter: Any) -> dict[str, Any] | None:
+        """What was found, as the journal keeps it; None for simulated observers. Raises where it refuses."""
+        if plan.mode != "screen":
+            return None
+        # Here alone, so that sessions without a window need nothing of what the check needs.
+        from gloss_experiments.preflight import check_screen
 
-    def image_angle_deg(self) -> float | None:
-        """Visual angle of an image on the screen, where it is known."""
-        on_screen = self.mode == "screen"
-        return checked_angle_deg(self.protocol, self.stimulus_set.image_size[0]) if on_screen else None
-
-    def fixed(self) -> dict[str, Any]:
-        """What makes two runs parts of the same session."""
-        simulated = {} if self.observer is None else self.observer.parameters()
-        return {
-            "participant": self.participant,
-            "session": self.session,
-            "task": self.protocol.name,
-            "seed": self.seed,
-            "protocol_sha256": self.protocol.sha256(),
-            "stimuli_sha256": images_sha256(self.images()),
-            "observer": {"kind": "human" if self.observer is None else "simulated", **simulated},
-        }
-
-
-def _plan(
-    protocol: str | Path | Protocol,
-    stimuli: str | Path | StimulusSet,
-    dataset: Path,
-    participant: str,
-    session: str,
-    mode: Mode,
-    seed: int | None,
-    observer: SimulatedObserver | None,
-) -> _Plan:
-    protocol = protocol if isinstance(protocol, Protocol) else read_protocol(protocol)
-    participant = checked_label(participant, what="participant")
-    session = checked_label(session, what="session")
-    stimulus_set = stimuli if isinstance(stimuli, StimulusSet) else read_stimulus_set(stimuli)
-    if dataset.exists() and not dataset.is_dir():
-        raise GlossError(f"The dataset '{dataset}' is a file; give a folder, which is made if absent.")
-    journal = journal_path(dataset, participant=participant, session=session, task=protocol.name)
-    data = data_path(dataset, participant=participant, session=session, task=protocol.name)
-    if data.exists() and not journal.exists():
-        raise GlossError(
-            f"The data file '{data}' exists without its journal: the session is finished and is never run again. "
-            "Give the participant another session number."
+        preflight = check_screen(
+            presenter.window, plan.protocol, plan.stimulus_set, calibration=self.calibration, override=self.override
         )
-    if seed is None:
-        seed = _seed_begun_with(journal)
-    order_seed = session_seed(seed, participant=participant, session=session, task=protocol.name)
-    trials = design_trials(protocol, [stimulus.name for stimulus in stimulus_set.stimuli], seed=order_seed)
-    if mode != "screen":
-        observer = observer or observer_named(participant, seed=seed)
-    return _Plan(
-        protocol, stimulus_set, dataset, participant, session, mode, seed, order_seed, trials, observer, journal, data
-    )
-
-
-def _seed_begun_with(path: Path) -> int:
-    if not path.exists():
-        return 0
-    with Journal(path) as journal:
-        return int(journal.header["seed"]) if journal.header else 0
+        if self.on_preflight is not None:
+            self.on_preflight(preflight)
+        preflight.require()
+        return preflight.to_dict()
 
 
 def _run(
-    plan: _Plan, journal: Journal, state: SessionState, on_trial: Callable[[int, int], None] | None
+    plan: SessionPlan,
+    journal: Journal,
+    state: SessionState,
+    check: _ScreenCheck,
+    on_trial: Callable[[int, int], None] | None,
 ) -> SessionState:
     if journal.header is None:
-        _keep_people_and_programs_apart(plan)
-    images = plan.images()
+        check_beginning(plan)
     judge = None
     if plan.observer is not None:
-        axes = {stimulus.name: (stimulus.c, stimulus.d) for stimulus in plan.stimulus_set.stimuli}
-        judge = Judge(plan.observer, {name: axes[name] for name in images}, plan.order_seed)
-    with open_presenter(plan.protocol, images, judge=judge, mode=plan.mode) as presenter:
+        judge = Judge(plan.observer, seen_axes(plan.observer, plan.stimulus_set, plan.images), plan.judge_seed)
+    remark = "Pilot" if plan.pilot else ""
+    with open_presenter(plan.protocol, plan.images, judge=judge, mode=plan.mode, remark=remark) as presenter:
         # Written once the window stands: a session that could not begin leaves nothing behind.
+        now = {"preflight": check.passed(plan, presenter), **circumstances(plan.mode)}
         if journal.header is not None:
-            journal.note("resumed", torn=journal.torn, **circumstances(plan.mode))
+            journal.note("resumed", torn=journal.torn, **now)
         else:
             record_stimuli(plan.dataset, plan.stimulus_set)
             if plan.observer is not None:
                 # Before the header: whenever a kill comes, no simulated answer is without its name in this list.
                 record_simulated_observer(plan.dataset, plan.participant, plan.observer.parameters())
-            details = {
-                "n_trials": len(plan.trials),
-                "image_angle_deg": plan.image_angle_deg(),
-                "stimulus_set": plan.stimulus_set.name,
-                "protocol": plan.protocol.model_dump(mode="json"),
-            }
-            journal.begin({**plan.fixed(), **details, **circumstances(plan.mode)})
-        return drive(state, presenter, journal, mode=plan.mode, on_trial=on_trial)
+            journal.begin({**plan.fixed(), **plan.details(), **now})
+        state = drive(state, presenter, journal, mode=plan.mode, on_trial=on_trial)
+        if state.phase is Phase.DONE:
+            # The data come before the thanks: nobody knows how long those stand there, or how they end.
+            _complete(plan, journal)
+            presenter.finish(state, summary_lines(summarise(journal.answers)))
+        return state
 
 
-def _keep_people_and_programs_apart(plan: _Plan) -> None:
-    known = read_simulated_observers(plan.dataset)
-    simulated_before = known is not None and plan.participant in set(known["participant_id"])
-    who = f"Participant '{plan.participant}' of '{plan.dataset}'"
-    if plan.observer is None and simulated_before:
-        raise GlossError(f"{who} is simulated; give a person another identifier.")
-    others = (path for path in plan.journal.parent.glob(f"subject-{plan.participant}_*") if path != plan.journal)
-    if plan.observer is not None and not simulated_before and any(others):
-        raise GlossError(f"{who} is a person; give a simulated observer another identifier.")
+def _complete(plan: SessionPlan, journal: Journal) -> None:
+    journal.finish()
+    try:
+        _write_data(plan, journal.answers)
+    except GlossError as error:
+        raise GlossError(
+            f"{error} The {len(journal.answers)} answers are safe in the journal '{plan.journal}': once this is put "
+            "right, the same command writes the data file."
+        ) from None
 
 
-def _publish(plan: _Plan, answers: list[Answer]) -> None:
+def _write_data(plan: SessionPlan, answers: list[Answer]) -> None:
     if plan.data.exists():
         update_description(plan.dataset)  # a kill may have come between the data file and its description
         return
+    simulated = plan.observer is not None
     write_session_data(
         plan.dataset,
-        [_row(answer, plan.protocol) for answer in answers],
+        trial_rows(answers, kind=plan.protocol.kind, simulated=simulated),
         kind=plan.protocol.kind,
         participant=plan.participant,
         session=plan.session,
         task=plan.protocol.name,
-        observer="human" if plan.observer is None else "simulated",
+        observer="simulated" if simulated else "human",
+        pilot=plan.pilot,
     )
-
-
-def _row(answer: Answer, protocol: Protocol) -> Row:
-    trial = answer.trial
-    row: Row = {"block": trial.block, "trial": trial.number, "repeat": trial.repeat}
-    time_s = answer.response_time_s
-    row["response_time_s"] = None if time_s is None else round(time_s, 3)
-    if protocol.kind == "pairwise":
-        left, right = trial.stimuli
-        return row | {"stimulus_left": left, "stimulus_right": right, "dissimilarity": answer.rating}
-    return row | {"stimulus": trial.stimuli[0], "rating": answer.rating}

@@ -1,7 +1,7 @@
 """The screen: shows the state of a session in a PsychoPy window, and turns mouse and keys into its events."""
 
 import contextlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,25 +9,27 @@ import numpy as np
 from PIL import Image
 
 from gloss_experiments.design import Trial
-from gloss_experiments.layout import Layout, arrange, checked_angle_deg
+from gloss_experiments.frames import FrameRecorder, FrameReport
+from gloss_experiments.layout import Layout, arrange
+from gloss_experiments.message_screen import MessageScreen
 from gloss_experiments.observer import Judge
-from gloss_experiments.pointer import Pointer, ScriptedPointer
+from gloss_experiments.preview_screen import PreviewScreen
 from gloss_experiments.protocol import Protocol
-from gloss_experiments.session import Confirmed, Continued, Event, Phase, RatingChosen, SessionState
-from gloss_experiments.window import open_window, own_fonts
+from gloss_experiments.ranking_layout import RankingLayout, arrange_ranking
+from gloss_experiments.ranking_screen import RankingScreen
+from gloss_experiments.rating_screen import RatingScreen
+from gloss_experiments.session import Event, Phase, SessionState, TimedOut
+from gloss_experiments.stage import Stage
+from gloss_experiments.window import open_window, refresh_period_s
 from glossspace.errors import GlossError
 
 __all__ = ["Screen", "open_screen"]
 
-# Grays in PsychoPy's -1 to 1: legible, and dim enough not to change the eye's adaptation in a dark room.
-TEXT_GRAY = 0.2
-LINE_GRAY = -0.3
-MARKER_GRAY = 0.5
-BUTTON_GRAY = -0.8
-
 
 @contextlib.contextmanager
-def open_screen(protocol: Protocol, images: Mapping[str, Path], *, judge: Judge | None = None) -> Iterator["Screen"]:
+def open_screen(
+    protocol: Protocol, images: Mapping[str, Path], *, judge: Judge | None = None, remark: str = ""
+) -> Iterator["Screen"]:
     """Open the window of a session, with all images loaded.
 
     Parameters
@@ -38,6 +40,8 @@ def open_screen(protocol: Protocol, images: Mapping[str, Path], *, judge: Judge 
         8-bit PNG of each stimulus, shown pixel for pixel.
     judge
         A simulated observer, which rates with a scripted mouse; None for a person.
+    remark
+        What the lower edge of every screen says, such as that the session is a pilot.
 
     Raises
     ------
@@ -45,11 +49,10 @@ def open_screen(protocol: Protocol, images: Mapping[str, Path], *, judge: Judge 
         No window can be opened, an image cannot be shown as it is, or a trial does not fit into the window.
     """
     size = _common_size(images)
-    if judge is None:
-        checked_angle_deg(protocol, size[0])
     with open_window(protocol, simulated=judge is not None) as window:
-        layout = arrange(protocol, image_size_px=size, window_size_px=(int(window.size[0]), int(window.size[1])))
-        yield Screen(window, protocol, layout, images, judge)
+        frames = FrameRecorder(None if judge is not None else refresh_period_s(window))
+        stage = Stage(window, protocol, simulated=judge is not None, remark=remark, frames=frames)
+        yield Screen(stage, images, image_size=size, judge=judge)
 
 
 def _common_size(images: Mapping[str, Path]) -> tuple[int, int]:
@@ -66,176 +69,78 @@ def _common_size(images: Mapping[str, Path]) -> tuple[int, int]:
 
 
 class Screen:
-    """An open session window; make one with `open_screen`."""
+    """An open session window with a screen for each kind of state; make one with `open_screen`."""
 
     def __init__(
-        self, window: Any, protocol: Protocol, layout: Layout, images: Mapping[str, Path], judge: Judge | None
+        self, stage: Stage, images: Mapping[str, Path], *, image_size: tuple[int, int], judge: Judge | None
     ) -> None:
-        from psychopy import core, event, visual
-
-        self.layout = layout
-        self._window, self._protocol, self._judge = window, protocol, judge
-        self._event, self._wait = event, core.wait
-        self._clock = core.Clock()
+        protocol = stage.protocol
+        self._stage = stage
         self._shown: Trial | None = None
-        self._armed = False
-        self._pressed_button = False
-        self._was_down = False
-        self._script = ScriptedPointer(layout) if judge is not None else None
-        self._mouse: Pointer = self._script or event.Mouse(visible=True, win=window)
+        self._messages = MessageScreen(stage)
+        self._preview = PreviewScreen(stage, images, image_size) if protocol.design.preview else None
+        pictures = {name: stage.picture(path) for name, path in images.items()}
+        self.layout: Layout | RankingLayout
+        self._trial_screen: RatingScreen | RankingScreen
+        if protocol.kind == "ranking":
+            self.layout = arrange_ranking(
+                protocol, image_size_px=image_size, window_size_px=stage.size, n_items=len(images) - 1
+            )
+            self._trial_screen = RankingScreen(stage, self.layout, pictures, images, judge)
+        else:
+            self.layout = arrange(protocol, image_size_px=image_size, window_size_px=stage.size)
+            self._trial_screen = RatingScreen(stage, self.layout, pictures, judge)
+        _upload(stage, pictures)
 
-        # No size is given: an image drawn at its own size, about a whole pixel, is shown pixel for pixel.
-        self._images = {name: visual.ImageStim(window, image=str(path), units="pix") for name, path in images.items()}
-        self._slider = visual.Slider(
-            window,
-            ticks=(0, 100),
-            labels=None,
-            pos=layout.slider,
-            size=layout.slider_size,
-            units="pix",
-            granularity=1,
-            lineColor=LINE_GRAY,
-            markerColor=MARKER_GRAY,
-            font=protocol.texts.font,
-            labelHeight=protocol.texts.size_px,
-        )
-        self._slider.mouse = self._mouse
-        # The line is thin; a hand that comes near enough means it.
-        self._slider.validArea.size = (1.05 * layout.slider_size[0], 3 * layout.slider_size[1])
-        self._question = self._text(protocol.texts.question, layout.question)
-        self._labels = [
-            self._text(text, place)
-            for text, place in zip((protocol.slider.low_label, protocol.slider.high_label), layout.labels, strict=True)
-        ]
-        self._readout = self._text("", layout.readout)
-        self._button = visual.Rect(
-            window,
-            width=layout.button_size[0],
-            height=layout.button_size[1],
-            pos=layout.button,
-            units="pix",
-            fillColor=(BUTTON_GRAY,) * 3,
-            lineColor=(LINE_GRAY,) * 3,
-            colorSpace="rgb",
-        )
-        self._button_text = self._text(protocol.texts.confirm, layout.button)
-        self._message = self._text("", (0, 0))
-        # No picture of such a session shall pass for one with a person.
-        self._remark = self._text("Simulated observer", (0, -int(window.size[1]) // 2 + protocol.texts.size_px))
-
-    def _text(self, text: str, place: tuple[int, int]) -> Any:
-        from psychopy import visual
-
-        texts = self._protocol.texts
-        return visual.TextStim(
-            self._window,
-            text=text,
-            pos=place,
-            units="pix",
-            height=texts.size_px,
-            font=texts.font,
-            fontFiles=own_fonts(),
-            color=(TEXT_GRAY,) * 3,
-            colorSpace="rgb",
-            wrapWidth=0.8 * float(self._window.size[0]),
-        )
+    @property
+    def window(self) -> Any:
+        """PsychoPy's window."""
+        return self._stage.window
 
     def next_event(self, state: SessionState) -> Event | None:
         """Show `state`, frame by frame, until the observer does something; None when Escape ends the session."""
+        if state.phase is Phase.PREVIEW and self._preview is not None:
+            return self._preview.event(state)
         if state.phase is not Phase.RATING or state.trial is None:
-            return self._message_event(state)
+            return self._messages.event(state)
         if self._shown is not state.trial:
             self._begin(state.trial)
-        return self._rating_event(state)
-
-    def _message_event(self, state: SessionState) -> Event | None:
-        self._event.clearEvents()
-        while True:
-            self.draw(state)
-            self._window.flip()
-            keys = self._event.getKeys()
-            if "escape" in keys:
-                return None
-            if "space" in keys or self._script is not None:
-                return Continued()
-
-    def finish(self, state: SessionState) -> None:
-        """Show a person that the session is complete, until a key is pressed."""
-        self._event.clearEvents()
-        while self._script is None and not self._event.getKeys():
-            self.draw(state)
-            self._window.flip()
+        event = self._trial_screen.event(state, state.trial)
+        if isinstance(event, TimedOut) and not self._messages.time_up():
+            return None
+        return event
 
     def _begin(self, trial: Trial) -> None:
-        self._window.flip()
-        if self._script is None:
-            self._wait(self._protocol.display.blank_s)
-        self._slider.reset()
+        self._stage.blank(self._stage.protocol.display.blank_s)
         self._shown = trial
-        # A button still held from the last trial must come up first, or it would rate this one.
-        self._armed = False
-        self._pressed_button = False
-        self._event.clearEvents()
-        if self._script is not None and self._judge is not None:
-            self._script.rate(self._judge.rate(trial))
-        self._window.callOnFlip(self._clock.reset)
+        self._stage.begin_anew()
+        self._stage.frames.begin_trial()
+        self._trial_screen.begin(trial)
 
-    def _rating_event(self, state: SessionState) -> Event | None:
-        while True:
-            if self._script is not None:
-                self._script.tick()
-            self._armed = self._armed or not self._mouse.getPressed()[0]
-            self._slider.readOnly = not self._armed
-            self.draw(state)
-            self._window.flip()
-            keys = self._event.getKeys()
-            if "escape" in keys:
-                return None
-            chosen = self._slider.markerPos
-            if chosen is not None and round(chosen) != state.rating:
-                return RatingChosen(round(chosen))
-            if self._button_released() or "space" in keys:
-                return Confirmed(None if self._script is not None else self._clock.getTime())
+    def finish(self, state: SessionState, summary: Sequence[str] = ()) -> None:
+        """Thank a person, until a key is pressed; the key S shows the experimenter the lines of `summary`."""
+        self._messages.finish(state, summary)
 
-    def _button_released(self) -> bool:
-        """Whether the mouse was pressed on the button and has been let go there."""
-        was_pressed, on_button = self._pressed_button, self._button.contains(self._mouse)
-        down = self._armed and bool(self._mouse.getPressed()[0])
-        self._pressed_button = down and on_button and (was_pressed or not self._was_down)
-        self._was_down = down
-        return was_pressed and not down and bool(on_button)
+    def frame_report(self) -> FrameReport:
+        """The frames of all trials shown so far."""
+        return self._stage.frames.session()
 
     def draw(self, state: SessionState) -> None:
         """Draw `state` into the back buffer."""
-        if state.phase is not Phase.RATING or state.trial is None:
-            self._draw_message(state)
-            return
-        if self._script is not None:
-            self._remark.draw()
-        for name, place in zip(state.trial.stimuli, self.layout.images, strict=True):
-            self._images[name].pos = place  # an identical pair is one image drawn at two places
-            self._images[name].draw()
-        self._question.draw()
-        self._slider.draw()
-        for label in self._labels:
-            label.draw()
-        if state.rating is not None:
-            self._readout.text = str(state.rating)
-            self._readout.draw()
-            self._button.draw()
-            self._button_text.draw()
-
-    def _draw_message(self, state: SessionState) -> None:
-        texts = self._protocol.texts
-        message = {
-            Phase.READY: f"{texts.instructions}\n\n{texts.start}",
-            Phase.PAUSE: f"{texts.pause}\n\n{state.n_answered} / {len(state.trials)}",
-        }
-        self._message.text = message.get(state.phase, texts.finished)
-        self._message.draw()
+        if state.phase is Phase.PREVIEW and self._preview is not None:
+            self._preview.draw(state)
+        elif state.phase is Phase.RATING and state.trial is not None:
+            self._trial_screen.draw(state, state.trial)
+        else:
+            self._messages.draw(state)
 
     def framebuffer(self) -> np.ndarray:
         """What was drawn since the last flip, as 8-bit code values: (height, width, 3), top row first."""
-        self._window.movieFrames = []
-        self._window.getMovieFrame(buffer="back")
-        return np.asarray(self._window.movieFrames.pop().convert("RGB"))
+        return self._stage.framebuffer()
+
+
+def _upload(stage: Stage, pictures: Mapping[str, Any]) -> None:
+    # Drawn once, so that the driver holds them: else the first trial of each stimulus would show it a frame late.
+    for picture in pictures.values():
+        picture.draw()
+    stage.window.clearBuffer()

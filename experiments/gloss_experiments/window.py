@@ -10,7 +10,7 @@ from typing import Any
 from gloss_experiments.protocol import Protocol
 from glossspace.errors import GlossError
 
-__all__ = ["open_window", "own_fonts"]
+__all__ = ["open_window", "own_fonts", "refresh_period_s"]
 
 _DEBIAN_PACKAGES = "libgl1 libglu1-mesa libgl1-mesa-dri libx11-6 libxext6 libxxf86vm1 libxinerama1"
 
@@ -53,8 +53,10 @@ def _opened(protocol: Protocol, *, simulated: bool) -> Any:
     except Exception as error:
         raise _no_window(error) from None
     try:
-        # A monitor without gamma: the images are encoded for the display already, and must not be corrected again.
-        monitor = monitors.Monitor("glossspace", distance=protocol.display.viewing_distance_cm)
+        monitor = monitors.Monitor("glossspace")
+        # A calibration of that name may lie in the user's folder, and its gamma would be applied: a new one has none.
+        # The images are encoded for the display already, and must not be corrected again.
+        monitor.newCalib("of this session", distance=protocol.display.viewing_distance_cm)
         return visual.Window(
             size=protocol.display.window_size_px,
             fullscr=protocol.display.fullscreen and not simulated,
@@ -94,3 +96,17 @@ def own_fonts() -> list[str]:
     import psychopy
 
     return sorted(str(path) for path in (Path(psychopy.__file__).parent / "assets" / "fonts").glob("NotoSans-R*.ttf"))
+
+
+def refresh_period_s(window: Any) -> float | None:
+    """Measured refresh period of the display, in seconds; None where it is virtual, or keeps no steady rate.
+
+    A virtual display, or one without a graphics card, is told by its renderer: frames that it misses mean nothing.
+    """
+    from pyglet.gl import gl_info
+
+    renderer = str(gl_info.get_renderer()).lower()
+    if any(name in renderer for name in ("llvmpipe", "softpipe", "swrast", "software rasterizer")):
+        return None
+    rate_hz = window.getActualFrameRate(nIdentical=10, nMaxFrames=90, nWarmUpFrames=10, threshold=1)
+    return None if rate_hz is None else 1 / float(rate_hz)

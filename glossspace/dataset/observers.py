@@ -14,10 +14,12 @@ __all__ = ["SIMULATED_OBSERVERS_FILE", "read_simulated_observers", "record_simul
 
 SIMULATED_OBSERVERS_FILE = "simulated_observers.json"
 _FORMAT = "gloss-simulated-observers"
-_PARAMETERS = ("weight_c", "weight_d", "ratio", "exponent", "noise_sd")
+_COLUMNS = ("weight_c", "weight_d", "ratio", "exponent", "noise_sd")
+# Every observer has these; one that looks at images has no weights of c and d, and one with a failing has more.
+_PARAMETERS = ("exponent", "noise_sd")
 
 
-def record_simulated_observer(folder: str | Path, participant: str, parameters: Mapping[str, float]) -> None:
+def record_simulated_observer(folder: str | Path, participant: str, parameters: Mapping[str, Any]) -> None:
     """Note that `participant` is simulated, with the parameters that its answers embody.
 
     Raises
@@ -32,7 +34,7 @@ def record_simulated_observer(folder: str | Path, participant: str, parameters: 
         if known is not None and known != dict(parameters):
             raise GlossError(
                 f"Participant '{participant}' of '{folder}' is already simulated with other parameters "
-                f"({', '.join(f'{name} {value:.4g}' for name, value in known.items())}). Use another participant."
+                f"({', '.join(f'{name} {_short(value)}' for name, value in known.items())}). Use another participant."
             )
         if known is None:
             observers[participant] = dict(parameters)
@@ -52,7 +54,9 @@ def read_simulated_observers(folder: str | Path) -> pd.DataFrame | None:
     -------
     DataFrame or None
         One row a participant: ``participant_id`` (str), ``weight_c``, ``weight_d``, ``ratio`` (weight_d / weight_c),
-        ``exponent`` (of the compressive response), ``noise_sd`` (slider units).
+        ``exponent`` (of the compressive response), ``noise_sd`` (slider units). The first three are NaN for an observer
+        that looked at the images: what it saw is not made of c and d. What else is noted, such as ``lapse_rate``, has
+        a column of its own, empty where an observer lacks it.
 
     Raises
     ------
@@ -68,10 +72,11 @@ def read_simulated_observers(folder: str | Path) -> pd.DataFrame | None:
     if not path.exists():
         return None
     observers = _observers(path)
-    return pd.DataFrame([{"participant_id": name, **parameters} for name, parameters in observers.items()])
+    nothing = dict.fromkeys(_COLUMNS, float("nan"))
+    return pd.DataFrame([{"participant_id": name, **nothing, **parameters} for name, parameters in observers.items()])
 
 
-def _observers(path: Path) -> dict[str, dict[str, float]]:
+def _observers(path: Path) -> dict[str, dict[str, Any]]:
     if not path.exists():
         return {}
     document = read_json(path, what="list of simulated observers")
@@ -80,7 +85,7 @@ def _observers(path: Path) -> dict[str, dict[str, float]]:
             f"'{path}' has format '{document.get('format')}', version {document.get('version')}; "
             f"this version reads '{_FORMAT}', version 1. Install the glossspace that wrote it."
         )
-    observers: dict[str, dict[str, float]] = document.get("observers", {})
+    observers: dict[str, dict[str, Any]] = document.get("observers", {})
     if not isinstance(observers, dict) or not all(_is_observer(parameters) for parameters in observers.values()):
         raise GlossError(
             f"'{path}' is damaged: each of its observers must have the numbers {', '.join(_PARAMETERS)}. Restore it."
@@ -89,4 +94,16 @@ def _observers(path: Path) -> dict[str, dict[str, float]]:
 
 
 def _is_observer(parameters: Any) -> bool:
-    return isinstance(parameters, dict) and all(isinstance(parameters.get(name), int | float) for name in _PARAMETERS)
+    return (
+        isinstance(parameters, dict)
+        and all(_is_number(parameters.get(name)) for name in _PARAMETERS)
+        and all(_is_number(parameters[name]) for name in _COLUMNS if name in parameters)
+    )
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _short(value: Any) -> str:
+    return f"{value:.4g}" if _is_number(value) else str(value)

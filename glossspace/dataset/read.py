@@ -1,4 +1,4 @@
-"""Readers: from a whole dataset to the two tables that analyses take."""
+"""Readers: from a whole dataset to the tables that analyses take."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from glossspace.dataset.schema import TaskKind
 from glossspace.dataset.validate import checked_tables
 from glossspace.errors import GlossError
 
-__all__ = ["read_dissimilarities", "read_magnitudes", "simulated_participants", "tasks_of"]
+__all__ = ["read_dissimilarities", "read_magnitudes", "read_rankings", "simulated_participants", "tasks_of"]
 
 
 def read_dissimilarities(folder: str | Path) -> pd.DataFrame:
@@ -77,7 +77,7 @@ def read_magnitudes(folder: str | Path, task: str) -> pd.DataFrame:
     >>> read_magnitudes("study", "doi").groupby("stimulus")["rating"].mean()  # doctest: +SKIP
     """
     tables = [table for table, kind in checked_tables(folder) if kind == "magnitude"]
-    rows = [
+    rows: list[tuple[str | int | float, ...]] = [
         (row["participant_id"], row["stimulus"], row["session"], int(row["repeat"]), float(row["rating"]))
         for table in tables
         for _, row in table.rows
@@ -88,16 +88,65 @@ def read_magnitudes(folder: str | Path, task: str) -> pd.DataFrame:
         raise GlossError(
             f"The dataset '{folder}' holds no rating of the task '{task}'; its magnitude tasks are: {', '.join(there)}."
         )
-    table = pd.DataFrame(rows, columns=["participant_id", "stimulus", "session", "repeat", "rating"])
+    return _with_repeats_counted_on(rows, "rating")[["participant_id", "stimulus", "repeat", "rating"]]
+
+
+def read_rankings(folder: str | Path, task: str) -> pd.DataFrame:
+    """All ranks of one ranking task, of all participants.
+
+    Parameters
+    ----------
+    folder
+        The dataset. It is validated first.
+    task
+        The task's name, such as ``"ranking"``.
+
+    Returns
+    -------
+    DataFrame
+        Columns ``participant_id`` (str), ``stimulus`` (str), ``rank`` (int, from 1 at the end labelled low),
+        ``repeat`` (int, from 1, over all sessions of a participant), ``reference`` (str, what the set was ranked
+        round), sorted by participant, stimulus and repeat. A ranking that was not finished is absent.
+
+    Raises
+    ------
+    GlossError
+        The dataset is not whole, or has no ranking task of that name.
+
+    Examples
+    --------
+    >>> read_rankings("study", "ranking").groupby("stimulus")["rank"].mean()  # doctest: +SKIP
+    """
+    tables = [table for table, kind in checked_tables(folder) if kind == "ranking"]
+    rows: list[tuple[str | int | float, ...]] = [
+        (
+            *(row["participant_id"], row["stimulus"], row["session"], int(row["repeat"])),
+            *(int(row["rank"]), row["reference"]),
+        )
+        for table in tables
+        for _, row in table.rows
+        if row["task"] == task and row["rank"]
+    ]
+    if not rows:
+        there = sorted({row["task"] for table in tables for _, row in table.rows}) or ["none"]
+        raise GlossError(
+            f"The dataset '{folder}' holds no rank of the task '{task}'; its ranking tasks are: {', '.join(there)}."
+        )
+    table = _with_repeats_counted_on(rows, "rank", "reference")
+    return table[["participant_id", "stimulus", "rank", "repeat", "reference"]]
+
+
+def _with_repeats_counted_on(rows: list[tuple[str | int | float, ...]], *answers: str) -> pd.DataFrame:
+    table = pd.DataFrame(rows, columns=["participant_id", "stimulus", "session", "repeat", *answers])
     table = table.sort_values(["participant_id", "stimulus", "session", "repeat"], ignore_index=True)
     if table.groupby("participant_id")["session"].nunique().max() > 1:
         # Repeats of a second session count on from the first's, so that (participant, stimulus, repeat) is a key.
         table["repeat"] = table.groupby(["participant_id", "stimulus"]).cumcount() + 1
-    return table[["participant_id", "stimulus", "repeat", "rating"]]
+    return table
 
 
 def tasks_of(folder: str | Path) -> dict[str, TaskKind]:
-    """The tasks of a dataset, each with its kind: ``"pairwise"`` or ``"magnitude"``.
+    """The tasks of a dataset, each with its kind: ``"pairwise"``, ``"magnitude"`` or ``"ranking"``.
 
     Raises
     ------

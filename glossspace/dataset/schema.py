@@ -11,6 +11,9 @@ __all__ = [
     "COLUMNS",
     "DESCRIPTION_FILE",
     "OBSERVER_KINDS",
+    "PILOTS_FOLDER",
+    "PILOT_COLUMN",
+    "PROCESS_COLUMNS",
     "RATING_COLUMN",
     "RATING_MAX",
     "RATING_MIN",
@@ -21,10 +24,12 @@ __all__ = [
     "property_value",
 ]
 
-TaskKind = Literal["pairwise", "magnitude"]
+TaskKind = Literal["pairwise", "magnitude", "ranking"]
 
 DESCRIPTION_FILE = "dataset_description.json"
 OBSERVER_KINDS = ("human", "simulated")
+# A dataset of its own inside the study's: no analysis of the study comes across it.
+PILOTS_FOLDER = "pilots"
 RATING_MIN, RATING_MAX = 0, 100
 
 
@@ -44,9 +49,13 @@ _COMMON = (
     Variable("participant_id", "Identifier of the participant, a string: leading zeros count."),
     Variable("session", "Session of the participant."),
     Variable("task", "Name of the protocol that the session followed."),
-    Variable("block", "Block of the session, from 1.", minimum=1),
-    Variable("trial", "Place of the trial in the order shown in the session, from 1.", minimum=1),
-    Variable("repeat", "How many times this pair or stimulus has been shown in the session, from 1.", minimum=1),
+    Variable("block", "Block of the design, from 1.", minimum=1),
+    Variable(
+        "trial",
+        "Place of the trial in the order shown in the session, from 1; catch trials, which are no data, count too.",
+        minimum=1,
+    ),
+    Variable("repeat", "Which showing of this pair or stimulus in the design it is, from 1.", minimum=1),
 )
 _PAIRWISE = (
     Variable("stimulus_left", "Stimulus shown on the left."),
@@ -67,18 +76,50 @@ _MAGNITUDE = (
         maximum=RATING_MAX,
     ),
 )
+_RANKING = (
+    Variable("reference", "Stimulus that the set was ranked round."),
+    Variable("stimulus", "Stimulus shown."),
+    Variable(
+        "start_place", "Place of the stimulus in the random order at the start of the ranking, from 1.", minimum=1
+    ),
+    Variable(
+        "rank",
+        "Rank of the stimulus, from 1 at the end labelled low; empty where the ranking was not finished.",
+        minimum=1,
+    ),
+)
 _LAST = (
-    Variable("response_time_s", "Time from the stimulus to the confirmed rating; empty for simulated observers.", "s"),
+    Variable("response_time_s", "Time from the stimulus to the confirmed answer; empty for simulated observers.", "s"),
     Variable("observer", "'human', or 'simulated' for answers that a program computed and no person gave."),
 )
 
-_VARIABLES = {variable.name: variable for variable in (*_COMMON, *_PAIRWISE, *_MAGNITUDE, *_LAST)}
+# How an answer came about. Datasets of the first version lack them, and no analysis needs them.
+_PROCESS = (
+    Variable("timed_out", "'yes' where the time limit passed before an answer was confirmed, else 'no'."),
+    Variable("first_response_s", "Time from the stimulus to the first response; empty for simulated observers.", "s"),
+    Variable(
+        "n_changes",
+        "How often the slider came to rest at another value, or a stimulus at another rank, the first time included; "
+        "empty for simulated observers.",
+        minimum=0,
+    ),
+    Variable("n_reversals", "How often the slider changed its direction; empty for simulated observers.", minimum=0),
+    Variable("dropped_frames", "Frames of the trial that came late; empty where no real display was used.", minimum=0),
+)
+_PILOT = Variable("pilot", "'yes' in every row of a pilot: a trial run, which is no data of the study.")
+
+_VARIABLES = {
+    variable.name: variable for variable in (*_COMMON, *_PAIRWISE, *_RANKING, *_MAGNITUDE, *_LAST, *_PROCESS, _PILOT)
+}
 
 COLUMNS: dict[TaskKind, tuple[str, ...]] = {
     "pairwise": tuple(variable.name for variable in (*_COMMON, *_PAIRWISE, *_LAST)),
     "magnitude": tuple(variable.name for variable in (*_COMMON, *_MAGNITUDE, *_LAST)),
+    "ranking": tuple(variable.name for variable in (*_COMMON, *_RANKING, *_LAST)),
 }
-RATING_COLUMN: dict[TaskKind, str] = {"pairwise": "dissimilarity", "magnitude": "rating"}
+PROCESS_COLUMNS = tuple(variable.name for variable in _PROCESS)
+PILOT_COLUMN = _PILOT.name
+RATING_COLUMN: dict[TaskKind, str] = {"pairwise": "dissimilarity", "magnitude": "rating", "ranking": "rank"}
 
 
 def property_value(name: str) -> dict[str, Any]:

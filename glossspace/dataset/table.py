@@ -8,7 +8,7 @@ from pathlib import Path
 from glossspace.dataset.schema import COLUMNS, TaskKind
 from glossspace.errors import GlossError
 
-__all__ = ["DataFile", "data_files", "read_data_file", "task_kind"]
+__all__ = ["DataFile", "data_files", "parse_data_file", "read_data_file", "task_kind"]
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,17 @@ def read_data_file(path: Path) -> DataFile:
         text = content.decode("utf-8")
     except UnicodeDecodeError as error:
         raise GlossError(f"'{path}' is not UTF-8 (byte {error.start}); save it as UTF-8.") from None
+    return parse_data_file(path, text)
+
+
+def parse_data_file(path: Path, text: str) -> DataFile:
+    """The content of a data file; `path` tells the delimiter by its ending, and names the file in messages.
+
+    Raises
+    ------
+    GlossError
+        It is no CSV, has no header, repeats a column, or has a row of another length.
+    """
     try:
         return _parsed(path, text)
     except csv.Error as error:
@@ -80,15 +91,16 @@ def _parsed(path: Path, text: str) -> DataFile:
 
 
 def task_kind(table: DataFile) -> TaskKind:
-    """Whether the file holds judgements of pairs or of single stimuli, told by its columns.
+    """Whether the file holds judgements of pairs, of single stimuli or rankings, told by its columns.
 
     Raises
     ------
     GlossError
-        It has the columns of neither, or lacks one of its kind.
+        It has the columns of none, or lacks one of its kind.
     """
     marks: dict[TaskKind, set[str]] = {
         "pairwise": {"stimulus_left", "stimulus_right", "dissimilarity"},
+        "ranking": {"reference", "rank"},  # before the magnitudes, since it has a column 'stimulus' too
         "magnitude": {"stimulus", "rating"},
     }
     for kind, names in marks.items():
@@ -100,6 +112,6 @@ def task_kind(table: DataFile) -> TaskKind:
                 )
             return kind
     raise GlossError(
-        f"'{table.path}' is neither a pairwise file (stimulus_left, stimulus_right, dissimilarity) "
-        "nor a magnitude file (stimulus, rating): its header lacks those columns."
+        f"'{table.path}' is neither a pairwise file (stimulus_left, stimulus_right, dissimilarity), a ranking "
+        "(reference, stimulus, rank) nor a magnitude file (stimulus, rating): its header lacks those columns."
     )

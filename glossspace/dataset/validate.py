@@ -8,6 +8,8 @@ from typing import Any
 from glossspace.dataset.schema import (
     DESCRIPTION_FILE,
     OBSERVER_KINDS,
+    PILOT_COLUMN,
+    PILOTS_FOLDER,
     RATING_COLUMN,
     RATING_MAX,
     RATING_MIN,
@@ -27,8 +29,9 @@ def dataset_problems(folder: str | Path) -> list[str]:
     """Every problem of a dataset, one line each; an empty list where there is none.
 
     Checked are: the description and its ``variableMeasured`` against the columns, both ways; file names; UTF-8 without
-    a byte order mark; the columns of each task; unique ``row_id``; no trial twice; ratings from 0 to 100; that names,
-    sessions and tasks inside a file are those of its name; and that no participant is both human and simulated.
+    a byte order mark; the columns of each task; unique ``row_id``; no trial twice; ratings from 0 to 100; that the
+    ranks of a ranking are 1 to the number of its stimuli; times and counts; that names, sessions and tasks inside a
+    file are those of its name; that no pilot is among the data; and that no participant is both human and simulated.
 
     Raises
     ------
@@ -91,6 +94,10 @@ def _examined(folder: Path) -> tuple[list[Table], list[str]]:
     problems += _description_problems(folder / DESCRIPTION_FILE, description, tables if all_readable else None)
     for table, kind in tables:
         problems += _row_problems(table, kind)
+        problems += _process_problems(table, kind)
+        problems += _pilot_problems(table, folder)
+        if kind == "ranking":
+            problems += _rank_problems(table)
     problems += _repeated_problems(tables)
     return tables, problems
 
@@ -144,13 +151,15 @@ def _row_problems(table: DataFile, kind: TaskKind) -> Iterator[str]:
             if row[column] != value:
                 yield f"{where}: {column} '{row[column]}', but the file's name says '{value}'."
         rating = row[RATING_COLUMN[kind]]
-        if rating and not _is_rating(rating):
+        if kind == "ranking" and rating and not _counts_from_1(rating):
+            yield f"{where}: rank '{rating}' is not a whole number from 1; leave it empty if the stimulus has no rank."
+        elif kind != "ranking" and rating and not _is_rating(rating):
             yield (
                 f"{where}: {RATING_COLUMN[kind]} '{rating}' is not a number from {RATING_MIN} to {RATING_MAX}; "
                 "correct it, or leave it empty if the trial was not judged."
             )
         for column in ("block", "trial", "repeat"):
-            if not (row[column].isascii() and row[column].isdigit() and int(row[column]) >= 1):
+            if not _counts_from_1(row[column]):
                 yield f"{where}: {column} '{row[column]}' is not a whole number from 1."
         if row["observer"] not in OBSERVER_KINDS:
             yield f"{where}: observer '{row['observer']}'; allowed are 'human' and 'simulated'."
@@ -158,6 +167,62 @@ def _row_problems(table: DataFile, kind: TaskKind) -> Iterator[str]:
             yield f"{where}: row_id is empty; each row needs its own."
         if not all(row[column] for column in _stimulus_columns(kind)):
             yield f"{where}: no stimulus is named; give the name it has in the stimulus set."
+
+
+def _process_problems(table: DataFile, kind: TaskKind) -> Iterator[str]:
+    """Of the columns that say how an answer came about; files of the first version have only the first of them."""
+    for line, row in table.rows:
+        where = f"'{table.path}', line {line}"
+        for column in ("response_time_s", "first_response_s"):
+            if not _is_empty_or_not_negative(row.get(column, "")):
+                yield f"{where}: {column} '{row[column]}' is not a time from 0; leave it empty if it is not known."
+        for column in ("n_changes", "n_reversals", "dropped_frames"):
+            if row.get(column, "") and not (row[column].isascii() and row[column].isdigit()):
+                yield f"{where}: {column} '{row[column]}' is not a whole number from 0; leave it empty if unknown."
+        timed_out = row.get("timed_out", "")
+        if timed_out not in ("", "yes", "no"):
+            yield f"{where}: timed_out '{timed_out}'; allowed are 'yes' and 'no'."
+        if timed_out == "yes" and row[RATING_COLUMN[kind]]:
+            yield f"{where}: the trial timed out, yet it has a {RATING_COLUMN[kind]}; empty one of the two."
+
+
+def _is_empty_or_not_negative(text: str) -> bool:
+    try:
+        return text == "" or 0 <= float(text) < math.inf
+    except ValueError:
+        return False
+
+
+def _pilot_problems(table: DataFile, folder: Path) -> Iterator[str]:
+    """Pilots have a dataset of their own, so that no analysis of the study comes across them."""
+    if folder.resolve().name == PILOTS_FOLDER:
+        return
+    pilots = [line for line, row in table.rows if row.get(PILOT_COLUMN, "") not in ("", "no")]
+    if pilots:
+        yield (
+            f"'{table.path}', line {pilots[0]}: this is a pilot, which is no data of the study; move the file to the "
+            f"'data' folder of '{folder / PILOTS_FOLDER}'."
+        )
+
+
+def _rank_problems(table: DataFile) -> Iterator[str]:
+    rankings: dict[str, list[tuple[int, str]]] = {}
+    for line, row in table.rows:
+        rankings.setdefault(row["trial"], []).append((line, row["rank"]))
+    for trial, rows in rankings.items():
+        ranks = [rank for _, rank in rows]
+        # One that was not finished has no rank at all.
+        if any(ranks) and all(rank == "" or _counts_from_1(rank) for rank in ranks):
+            found = sorted(int(rank) if rank else 0 for rank in ranks)
+            if found != list(range(1, len(ranks) + 1)):
+                yield (
+                    f"'{table.path}', line {rows[0][0]}: the ranks of trial {trial} are "
+                    f"{', '.join(rank or 'empty' for rank in ranks)}; each of 1 to {len(ranks)} is given once."
+                )
+
+
+def _counts_from_1(text: str) -> bool:
+    return text.isascii() and text.isdigit() and int(text) >= 1
 
 
 def _is_rating(text: str) -> bool:

@@ -1,16 +1,18 @@
 from collections import Counter
+from dataclasses import replace
 from itertools import combinations_with_replacement
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gloss_experiments.design import design_trials, session_seed
+from gloss_experiments.design import design_trials, practice_trials, session_seed, session_trials
 from gloss_experiments.protocol import read_protocol
 from glossspace.errors import GlossError
 
-PAIRWISE, CONTRAST = read_protocol("pairwise"), read_protocol("contrast")
+PAIRWISE, CONTRAST, RANKING = read_protocol("pairwise"), read_protocol("contrast"), read_protocol("ranking")
 NAMES = tuple(f"s{i:02d}" for i in range(27))
+WHO = {"seed": 0, "participant": "01", "session": "1"}
 
 
 def with_design(protocol, **design):
@@ -79,11 +81,12 @@ def test_a_subset_of_the_stimuli():
         (("s01", "gold"), NAMES, "asks for the stimulus 'gold', which the stimulus set lacks; it has s00, s01"),
         (("s01", "s01"), NAMES, "names the stimulus 's01' twice in design.stimuli"),
         ((), (), "needs at least 1 stimuli, but the set has 0"),
+        ((), ("a",), "splits 1 trials over 2 sessions; each needs one at least"),
     ],
 )
 def test_impossible_designs(stimuli, names, message):
     with pytest.raises(GlossError, match=message):
-        design_trials(with_design(PAIRWISE, stimuli=stimuli), names, seed=1)
+        design_trials(with_design(PAIRWISE, stimuli=stimuli, sessions=2), names, seed=1)
 
 
 def test_sessions_of_a_study_do_not_share_a_seed():
@@ -99,3 +102,109 @@ def test_sessions_of_a_study_do_not_share_a_seed():
     assert session_seed(1, participant="01", session="1", task="doi") == session_seed(
         1, participant="01", session="1", task="doi"
     )
+
+
+@pytest.mark.parametrize("protocol", [PAIRWISE, CONTRAST], ids=["pairwise", "magnitude"])
+def test_practice_preview_and_breaks_leave_the_order_as_it_is(protocol):
+    plain = with_design(protocol, practice=0, preview=False, break_every=0)
+    bare = session_trials(plain, NAMES, **WHO)
+    assert {trial.role for trial in bare} == {"judged"}
+    rich = session_trials(with_design(plain, practice=7, preview=True, break_every=5, time_limit_s=3.0), NAMES, **WHO)
+    assert rich[7:] == bare
+    assert [(trial.role, trial.number) for trial in rich[:7]] == [("practice", i) for i in range(1, 8)]
+
+
+@given(n=st.integers(1, 12), seed=st.integers(0, 2**48), repeats=st.integers(1, 3))
+@pytest.mark.parametrize("protocol", [PAIRWISE, CONTRAST], ids=["pairwise", "magnitude"])
+def test_catch_trials_leave_the_order_and_repeat_what_was_judged(protocol, n, seed, repeats):
+    plain = with_design(protocol, repeats=repeats)
+    judged = design_trials(plain, NAMES[:6], seed=seed)
+    trials = design_trials(with_design(plain, catch_trials=n if n <= len(judged) else 1), NAMES[:6], seed=seed)
+    assert [trial.number for trial in trials] == list(range(1, len(trials) + 1))
+    assert [replace(t, number=0) for t in trials if t.role == "judged"] == [replace(t, number=0) for t in judged]
+    catch = [i for i, trial in enumerate(trials) if trial.role == "catch"]
+    assert len(catch) == (n if n <= len(judged) else 1)
+    for nth, i in enumerate(catch):
+        before = {trial.stimuli for trial in trials[:i] if trial.role == "judged"}
+        if protocol is PAIRWISE and nth % 2 == 1:
+            assert len(set(trials[i].stimuli)) == 1, "every second one is an identical pair"
+            assert trials[i].stimuli[0] in {name for pair in before for name in pair}
+        else:
+            assert trials[i].stimuli[::-1] in before, "the other way round"
+        assert trials[i].block == trials[i - 1].block
+    # Spread: each stretch of the session, as many of them as catch trials, holds one.
+    n_before = [i - nth for nth, i in enumerate(catch)]
+    for nth, place in enumerate(n_before):
+        start, end = (len(judged) * k / len(catch) for k in (nth, nth + 1))
+        assert start - 1 <= place <= max(end + 1, 1)
+
+
+def test_a_repeated_catch_trial_comes_long_after_the_first():
+    trials = design_trials(with_design(PAIRWISE, catch_trials=20), NAMES, seed=5)
+    place = {trial.stimuli: i for i, trial in enumerate(trials) if trial.role == "judged"}
+    repeated = [(i, t) for i, t in enumerate(trials) if t.role == "catch" and len(set(t.stimuli)) == 2]
+    assert len(repeated) == 10
+    assert len({trial.stimuli for _, trial in repeated}) == 10, "none twice"
+    assert all(i - place[trial.stimuli[::-1]] >= 10 for i, trial in repeated if i > 20)
+
+
+def test_more_catch_trials_than_trials():
+    with pytest.raises(GlossError, match="has 4 catch trials in a session of 3 trials; there can be no more"):
+        design_trials(with_design(PAIRWISE, catch_trials=4), NAMES[:2], seed=1)
+
+
+@pytest.mark.parametrize("n_sessions", [2, 3, 5])
+def test_the_sessions_of_a_design_make_up_the_whole(n_sessions):
+    whole = session_trials(with_design(PAIRWISE, practice=2), NAMES, **(WHO | {"session": "all"}))
+    split = with_design(PAIRWISE, practice=2, sessions=n_sessions)
+    parts = [session_trials(split, NAMES, **(WHO | {"session": str(k)})) for k in range(1, n_sessions + 1)]
+    judged = [[trial for trial in part if trial.role == "judged"] for part in parts]
+    assert [trial.stimuli for part in judged for trial in part] == [trial.stimuli for trial in whole[2:]]
+    assert max(map(len, judged)) - min(map(len, judged)) <= 1
+    assert all([trial.number for trial in part] == list(range(1, len(part) + 1)) for part in judged)
+    assert all(len(part) == len(other) + 2 for part, other in zip(parts, judged, strict=True)), "each has practice"
+
+
+@pytest.mark.parametrize("session", ["0", "3", "a", "01"])
+def test_a_session_that_the_protocol_lacks(session):
+    with pytest.raises(GlossError, match=f"the session is a number from 1 to 2, not '{session}'"):
+        session_trials(with_design(PAIRWISE, sessions=2), NAMES, **(WHO | {"session": session}))
+
+
+def test_an_incomplete_design_has_the_pairs_of_its_list():
+    pairs = (("s03", "s01"), ("s01", "s01"), ("s02", "s03"))
+    trials = design_trials(with_design(PAIRWISE, pairs=pairs, repeats=2), NAMES, seed=1)
+    for block in (1, 2):
+        shown = [tuple(sorted(trial.stimuli)) for trial in trials if trial.block == block]
+        assert sorted(shown) == [("s01", "s01"), ("s01", "s03"), ("s02", "s03")]
+    with pytest.raises(GlossError, match="asks for the stimulus 'gold'"):
+        design_trials(with_design(PAIRWISE, pairs=(("s01", "gold"),)), NAMES, seed=1)
+
+
+def test_practice_shows_each_item_once_before_any_twice():
+    trials = practice_trials(with_design(CONTRAST, practice=60), NAMES, seed=1)
+    assert [Counter(trial.stimuli for trial in trials[i : i + 27]).most_common(1)[0][1] for i in (0, 27)] == [1, 1]
+    assert len(trials) == 60
+
+
+def test_a_ranking_is_one_trial_a_block():
+    """Section 5.1 of the gloss paper: the others of a set, ranked with respect to a reference."""
+    names = (*RANKING.design.stimuli, RANKING.design.reference, "another")
+    trials = session_trials(RANKING, names, **WHO)
+    practice, *judged = trials
+    assert (practice.role, len(practice.items)) == ("practice", 4)
+    assert [(trial.block, trial.repeat, trial.number) for trial in judged] == [(1, 1, 1), (2, 2, 2)]
+    for trial in judged:
+        assert trial.stimuli[0] == RANKING.design.reference
+        assert sorted(trial.items) == sorted(RANKING.design.stimuli)
+    starts = {session_trials(RANKING, names, **(WHO | {"seed": seed}))[1].items for seed in range(50)}
+    assert len(starts) > 40, "random: of 720 orders, 50 draws give some 48 different ones"
+
+
+def test_a_ranking_of_the_whole_set_leaves_out_the_reference():
+    protocol = with_design(RANKING, stimuli=(), reference="s05")
+    assert sorted(design_trials(protocol, NAMES, seed=1)[0].items) == sorted(set(NAMES) - {"s05"})
+    with pytest.raises(GlossError, match="needs at least 2 stimuli to rank beside the reference"):
+        design_trials(protocol, ("s05", "s06"), seed=1)
+    with pytest.raises(GlossError, match="asks for the stimulus 's05', which the stimulus set lacks"):
+        design_trials(protocol, ("s06", "s07"), seed=1)

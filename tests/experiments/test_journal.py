@@ -2,12 +2,14 @@ import json
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
-from gloss_experiments.design import Trial
+from gloss_experiments.design import Trial, session_trials
 from gloss_experiments.journal import Journal
-from gloss_experiments.session import Answer
+from gloss_experiments.protocol import Protocol
+from gloss_experiments.session import Answer, Trace
 from glossspace.errors import GlossError
 
 HEADER = {
@@ -49,6 +51,46 @@ def test_what_is_written_is_read(path):
         assert journal.finished
 
 
+def test_every_kind_of_answer_is_read_as_it_was_written(tmp_path):
+    trace = Trace(0.7, n_changes=4, n_reversals=1, lowest=10, highest=80, n_frames=90, n_dropped=2, longest_frame_ms=33)
+    ranking = Trial(3, 1, 1, ("reference", "a", "b"))
+    answers = [
+        Answer(Trial(1, 1, 1, ("a", "b"), "practice"), 10, 1.5),
+        Answer(Trial(2, 1, 1, ("b", "a"), "practice"), None, 2.0, timed_out=True),
+        Answer(Trial(1, 1, 1, ("a", "b")), 20, 1.25, trace=trace),
+        Answer(Trial(2, 1, 1, ("b", "a"), "catch"), 30, trace=Trace()),
+        Answer(ranking, None, 60.5, order=("b", "a")),
+        Answer(Trial(4, 2, 2, ranking.stimuli), None, 60.5, trace=trace, timed_out=True),
+    ]
+    with Journal(tmp_path / "one.jsonl") as journal:
+        journal.begin(HEADER)
+        for answer in answers:
+            journal.append(answer, mode="screen")
+    with Journal(tmp_path / "one.jsonl") as journal:
+        assert journal.answers == answers
+
+
+@pytest.mark.parametrize("task", ["pairwise", "contrast"])
+def test_a_journal_of_the_first_version_goes_on(tmp_path, task):
+    """The files were written by the first released version, before practice, catch trials and traces were there."""
+    old = Path(__file__).parent / "data" / f"version1_{task}.jsonl"
+    path = tmp_path / old.name
+    path.write_bytes(old.read_bytes())
+    with Journal(path) as journal:
+        header = journal.header
+        assert (header["version"], len(journal.answers), journal.finished) == (1, 12, False)
+        protocol = Protocol.model_validate(header["protocol"])
+        assert protocol.sha256() == header["protocol_sha256"], "new keys at their defaults do not count"
+        grid = [(d, s, a) for d in (0.03, 0.193, 0.767) for s in (0.033, 0.066, 0.099) for a in (0.04, 0.07, 0.1)]
+        names = [f"d{d}_s{s}_a{a}" for d, s, a in grid]
+        trials = session_trials(protocol, names, seed=header["seed"], participant="03", session="1")
+        journal.check_order(trials)
+        journal.append(Answer(trials[12], rating=50), mode="headless")
+    with Journal(path) as journal:
+        assert journal.answers[12] == Answer(trials[12], rating=50)
+    assert path.read_bytes().startswith(old.read_bytes()), "what was written stays"
+
+
 @pytest.mark.parametrize("kept", [1, 20, 60])
 def test_a_torn_last_line_is_cut_off(path, kept):
     whole = path.read_bytes()
@@ -74,10 +116,20 @@ def test_a_torn_header_begins_anew(path):
     ("line", "text", "message"),
     [
         (1, "{}", "line 1 cannot be read .KeyError: 'format'"),
-        (1, '{"format": "gloss-journal", "version": 2}', "line 1 cannot be read .*version 2; this version reads"),
+        (1, '{"format": "gloss-journal", "version": 3}', "line 1 cannot be read .*version 3; this version reads"),
         (2, "not json", "line 2 cannot be read .JSONDecodeError"),
         (2, '{"type": "trial", "trial": 2, "block": 1, "repeat": 1, "stimuli": ["a"]}', "trial 2 follows trial 0"),
         (3, "", "line 3 cannot be read"),
+        (
+            2,
+            '{"type": "trial", "trial": 1, "block": 1, "repeat": 1, "stimuli": ["a"], "role": "x"}',
+            "the role 'x' is none",
+        ),
+        (
+            2,
+            '{"type": "trial", "trial": 1, "block": 1, "repeat": 1, "stimuli": ["a"], "rating": null}',
+            "rating None is not allowed",
+        ),
     ],
 )
 def test_a_damaged_journal_is_refused(path, line, text, message):

@@ -16,6 +16,7 @@ from glossspace.dataset import (
 )
 from glossspace.errors import GlossError
 from glossspace.stimulus_set import read_stimulus_set
+from tests.experiments.session_files import data_of
 
 SLOW_SESSION = """
 import sys, time
@@ -26,10 +27,6 @@ def wait(done, total):
 
 run_session("pairwise", stimuli=sys.argv[1], dataset=sys.argv[2], participant="01", on_trial=wait)
 """
-
-
-def data_of(dataset):
-    return {path.name: path.read_bytes() for path in sorted((dataset / "data").rglob("*.csv"))}
 
 
 def test_experiment_1_and_2_make_a_whole_dataset(experiment1, tmp_path):
@@ -201,6 +198,7 @@ def test_a_person_and_a_program_never_share_a_name(experiment1, tmp_path):
         ({"protocol": "pairs"}, "No protocol 'pairs'"),
         ({"stimuli": "nowhere"}, "No stimulus set at 'nowhere'"),
         ({"mode": "screen", "observer": SimulatedObserver(1, 1, 1, 1)}, "mode 'screen' is for a person"),
+        ({"override": "a dark room"}, "are for the check of a person's screen"),
     ],
 )
 def test_mistakes_are_told_and_leave_nothing_behind(experiment1, tmp_path, change, message):
@@ -223,6 +221,27 @@ def test_a_dataset_that_cannot_be_written(experiment1, tmp_path):
         run_session("doi", stimuli=experiment1, dataset=tmp_path / "a" / "b", participant="01")
 
 
+def test_a_data_file_that_cannot_be_written_loses_nothing(experiment1, tmp_path):
+    (tmp_path / "data").write_text("a note", encoding="utf-8")
+    words = {"stimuli": experiment1, "dataset": tmp_path, "participant": "01"}
+    with pytest.raises(
+        GlossError, match=r"The 85 answers are safe in the journal .* same command writes the data file"
+    ):
+        run_session("doi", **words)
+    (tmp_path / "data").unlink()
+    assert run_session("doi", **words).n_before == 81
+    assert len(read_magnitudes(tmp_path, "doi")) == 81
+
+
+def test_a_missing_option_is_named_where_nobody_can_be_asked(experiment1, tmp_path):
+    for words, name in (((), "stimuli"), (("--stimuli", experiment1, "--participant", "01"), "dataset")):
+        refused = gloss("doi", *words)
+        assert refused.returncode == 2
+        assert f"The option --{name} is missing" in refused.stderr
+    refused = gloss("doi", "--headless", "--stimuli", experiment1, "--dataset", tmp_path)
+    assert "The option --participant is missing" in refused.stderr
+
+
 def gloss(*words, **environment):
     command = [sys.executable, "-c", "from glossspace.cli import main; main()", "session", *map(str, words)]
     return subprocess.run(command, capture_output=True, text=True, check=False, **environment)
@@ -236,7 +255,11 @@ def test_the_command(experiment1, tmp_path):
     assert (document["trials"], document["simulated"], document["finished"]) == (81, True, True)
     assert document["data"].endswith("subject-01_session-1_task-doi_data.csv")
     assert "finished already" in again.stderr
-    assert again.stdout.count("\n") == 2
+    assert again.stdout.splitlines()[0] == (
+        "Participant 01 (simulated observer), session 1, task doi: 81 of 81 trials."
+    )
+    assert "Judged trials: 81 (and 4 practice)" in again.stdout
+    assert document["summary"]["n_retests"] == 54, "three sequences of 27: each with the one before"
     refused = gloss(*words, "--simulate")
     assert refused.returncode == 2
     assert "not both" in refused.stderr

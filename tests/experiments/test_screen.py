@@ -1,9 +1,8 @@
 """The real window on a virtual display: what it shows is read back, and a real pointer answers in it."""
 
+import csv
 import json
 import re
-import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -11,54 +10,114 @@ import pytest
 from PIL import Image
 
 from gloss_experiments import read_protocol, run_session
-from gloss_experiments.layout import arrange, checked_angle_deg, visual_angle_deg
-from gloss_experiments.pointer import ScriptedPointer, slider_x
 from gloss_experiments.screen import open_screen
 from glossspace.errors import GlossError
+from tests.experiments.virtual_display import on_a_virtual_display
 
-PROGRAM = Path(__file__).parent / "window_program.py"
-PAIRWISE, DOI = read_protocol("pairwise"), read_protocol("doi")
-
-
-def on_a_virtual_display(*words):
-    for tool in ("xvfb-run", "xauth", "xdotool"):
-        if shutil.which(tool) is None:
-            pytest.fail(f"'{tool}' is missing: apt-get install xvfb xauth xdotool ('make test' does it as root)")
-    command = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24", sys.executable, str(PROGRAM), *map(str, words)]
-    result = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
-    assert result.returncode == 0, result.stderr[-3000:]
-    return json.loads(result.stdout)
+DOI = read_protocol("doi")
 
 
-def test_a_scripted_mouse_goes_through_the_real_window(small_set, tmp_path):
-    seen = on_a_virtual_display("scripted", small_set, tmp_path / "a")
-    assert seen["trials"] == 6
-    assert seen["window_size"] == [1280, 1024]
-    assert seen["frames_checked"] >= 2 * 6
-    assert seen["differing_pixels"] == 0, "the framebuffer holds the code values of the PNG"
-    assert seen["lit_around_images"] == 0, "the surround is black"
-    # The line is drawn at -0.3, code value 89, and the marker at 0.5, code value 191.
-    assert seen["brightest_before_response"] <= 90, "no marker stands on the slider before the first response"
-    assert seen["dimmest_marker"] >= 190
-    # A budget with room for two busy cores; 5 to 9 s were measured, most of it the import of PsychoPy.
-    assert seen["seconds_to_first_answer"] < 60
+def answers_in(journal):
+    lines = [json.loads(line) for line in Path(journal).read_text(encoding="utf-8").splitlines()]
+    return lines[0], [line for line in lines if line.get("type") == "trial"]
 
-    run_session("pairwise", stimuli=small_set, dataset=tmp_path / "b", participant="01")
-    name = "data/subject-01/subject-01_session-1_task-pairwise_data.csv"
-    assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), "as without a window"
+
+def test_whole_sessions_with_a_scripted_mouse(experiment1, tmp_path):
+    """378 pairs, three sequences of 27 single stimuli and two rankings, each through the real window."""
+    seen = on_a_virtual_display("window_program.py", "scripted", experiment1, tmp_path / "a")
+    for kind, n_trials, n_frames in (("pairwise", 378, 80), ("magnitude", 81, 50), ("ranking", 2, 6)):
+        found = seen[kind]
+        assert found["trials"] == n_trials
+        assert found["frames_checked"] >= n_frames, kind
+        assert found["differing_pixels"] == 0, "the framebuffer holds the code values of the PNG"
+        assert found["lit_around_images"] == 0, "the surround is black"
+        assert found["window_size"] == [1280, 1024]
+        assert found["phases"][:2] == ["ready", "preview"]
+        assert "practice_done" in found["phases"]
+        assert found["opened_in_trials"] == [], "all is loaded before the first trial"
+        frames = found["frames"]
+        assert frames["n_frames"] >= 5 * n_trials, "each trial takes the hand some frames"
+        assert 0 < frames["median_work_ms"] <= frames["longest_work_ms"]
+        assert frames["n_dropped"] is frames["longest_frame_ms"] is None, "a virtual display has none to miss"
+    assert "pause" in seen["pairwise"]["phases"]
+    for kind in ("pairwise", "magnitude"):
+        # The line is drawn at -0.3, code value 89, and the marker at 0.5, code value 191.
+        assert 80 < seen[kind]["brightest_before_response"] <= 90, "the line, and no marker, before the first response"
+        assert seen[kind]["dimmest_marker"] >= 190
+
+    for task, n_rows in (("pairwise", 378), ("doi", 81), ("ranking", 12)):
+        run_session(task, stimuli=experiment1, dataset=tmp_path / "b", participant="01")
+        name = f"data/subject-01/subject-01_session-1_task-{task}_data.csv"
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), "as without a window"
+        with (tmp_path / "a" / name).open(encoding="utf-8") as stream:
+            assert len(list(csv.reader(stream))) == 1 + n_rows
 
 
 def test_a_real_pointer_and_keys(small_set, tmp_path):
-    seen = on_a_virtual_display("pointer", small_set, tmp_path)
+    seen = on_a_virtual_display("window_program.py", "pointer", small_set, tmp_path)
     assert seen["failures"] == []
-    assert (seen["answered"], seen["data"], seen["simulated"]) == (2, None, False), "Escape ended it, unfinished"
-    assert seen["frames_checked"] >= 3
+    assert (seen["answered"], seen["finished"], seen["simulated"]) == (4, False, False), "Escape and Stop ended it"
+    assert seen["frames_checked"] >= 10
     assert seen["differing_pixels"] == 0
-    lines = [json.loads(line) for line in Path(seen["journal"]).read_text(encoding="utf-8").splitlines()]
-    assert lines[0]["observer"] == {"kind": "human"}
-    assert [line["rating"] for line in lines[1:]] == [30, 75], "what was judged is kept, the rest is not"
-    assert all(0 < line["response_time_s"] < 60 for line in lines[1:])
+    assert seen["unmoved"] is None, "an arrow moves no marker that is not there"
+    assert seen["after_escape"] == [2, 33, 33], "the same trial, with the slider as it was"
+    assert seen["held"] is None, "a press from before the trial counts for nothing"
+    header, answers = answers_in(seen["journal"])
+    assert header["observer"] == {"kind": "human"}
+    assert [line["rating"] for line in answers] == [30, 75, 34, 5], "what was judged is kept, the rest is not"
+    assert all(0 < line["trace"]["first_response_s"] < line["response_time_s"] < 60 for line in answers)
+    # Typed 4, then 42; moved to 43, to 33 and to 34: five rests, and the path turns at 43 and at 33.
+    trace = answers[2]["trace"]
+    assert (trace["n_changes"], trace["n_reversals"], trace["lowest"], trace["highest"]) == (5, 2, 4, 43)
+    assert trace["n_dropped"] is trace["longest_frame_ms"] is None, "the display is virtual"
     assert not (tmp_path / "data").exists()
+
+
+def test_a_ranking_with_real_pointer_and_keys(experiment1, tmp_path):
+    seen = on_a_virtual_display("window_program.py", "ranking", experiment1, tmp_path)
+    assert seen["failures"] == []
+    items = seen["items"]
+    assert seen["dropped_beside"] == [items[1], items[3]], "a drop beside everything changes nothing"
+    assert seen["unconfirmed"] == 0, "nothing is confirmed before every item has a rank"
+    assert seen["by_keys"] == [items[i] for i in (1, 0, 2, 3, 4)]
+    assert (seen["marked"], seen["moved"]) == (items[4], [items[i] for i in (1, 0, 2, 4, 3)])
+    assert seen["after_escape"] == seen["moved"], "Escape, and Escape again, goes on where it was"
+    _, answers = answers_in(seen["journal"])
+    assert [line["order"] for line in answers] == [seen["moved"]]
+    # Two dragged in, one taken back, four with keys, one moved.
+    assert answers[0]["trace"]["n_changes"] == 8
+    assert seen["frames_checked"] >= 3
+    assert seen["differing_pixels"] == 0, "reference and marked item are shown at their own size"
+
+
+def test_time_limit_rest_close_button_and_summary(small_set, tmp_path):
+    seen = on_a_virtual_display("window_program.py", "limits", small_set, tmp_path)
+    assert seen["failures"] == []
+    assert seen["waiting"] == 0, "after the limit, the message waits for the observer"
+    assert seen["rested_s"] >= 2, "no rest is shorter than the protocol says"
+    _, answers = answers_in(seen["journal"])
+    assert [(line["rating"], line["timed_out"]) for line in answers] == [(None, True), (7, False), (9, False)]
+    assert 3 <= answers[0]["response_time_s"] < seen["timed_out_after_s"]
+    # The second was asked whether to stop for longer than the limit, and did not time out.
+    assert seen["finished"]
+    assert seen["phases"] == ["ready", "rating", "pause", "rating"]
+    assert len(seen["pages"]) == 1
+    assert any("7.0" in line and "9.0" in line for line in seen["pages"][0]), "of the identical and the other pair"
+
+
+def test_the_preview_and_the_gamma_of_a_saved_monitor(small_set, tmp_path):
+    """A gamma in PsychoPy's own folder is not applied: under this display, applying one would fail, too."""
+    seen = on_a_virtual_display("window_program.py", "overview", small_set, tmp_path, home=tmp_path)
+    assert seen["saved_gamma"] == pytest.approx(2.2)
+    large, small = seen["1280"], seen["700"]
+    assert large["picture_size"] == [256, 256]
+    assert large["size_note"] == ""
+    assert small["picture_size"][0] < 256
+    assert small["size_note"] == f"{100 * small['picture_size'][0] / 256:.0f} %"
+    for found in (large, small):
+        assert found["differing_pixels"] == 0, "pictures of the preview hold the code values of the PNG, or their means"
+        assert found["gamma"] is None
+        assert found["native_gamma"], "the video card's table is left as it is"
 
 
 def test_without_psychopy_one_line_says_what_to_install(small_set, tmp_path, monkeypatch):
@@ -82,57 +141,3 @@ def test_images_that_would_not_be_shown_exactly_are_refused(tmp_path, sizes, mod
         Image.new(mode, (size, size)).save(path)
     with pytest.raises(GlossError, match=message), open_screen(DOI, images):
         pass
-
-
-def test_the_visual_angle_of_the_paper():
-    """3.2 degrees at 60 inches are 8.514 cm: 2 · 152.4 cm · tan 1.6 degrees."""
-    assert visual_angle_deg(8514, pixel_pitch_mm=0.01, distance_cm=152.4) == pytest.approx(3.2, abs=1e-4)
-
-
-def test_images_of_a_wrong_angle_are_refused():
-    display = PAIRWISE.display.model_copy(update={"pixel_pitch_mm": 0.2695})
-    protocol = PAIRWISE.model_copy(update={"display": display})
-    assert checked_angle_deg(PAIRWISE, 512) is None, "unknown without the pitch"
-    assert checked_angle_deg(protocol, 316) == pytest.approx(3.2, abs=0.01)
-    with pytest.raises(GlossError, match="are 5.18 degrees wide on this screen, but must be 3.2. .* --size 316"):
-        checked_angle_deg(protocol, 512)
-
-
-@pytest.mark.parametrize("protocol", [PAIRWISE, DOI], ids=["pairwise", "magnitude"])
-@pytest.mark.parametrize("size", [64, 256, 512])
-def test_the_layout_is_in_whole_pixels_and_nothing_overlaps(protocol, size):
-    layout = arrange(protocol, image_size_px=(size, size), window_size_px=(1280, 1024))
-    assert len(layout.images) == (2 if protocol.kind == "pairwise" else 1)
-    assert sum(x for x, _ in layout.images) == 0, "symmetric about the centre"
-    bottom_of_images = layout.images[0][1] - size // 2
-    assert layout.question[1] > layout.images[0][1] + size // 2
-    assert bottom_of_images > layout.slider[1] > layout.readout[1] > layout.button[1]
-    assert layout.button[1] - layout.button_size[1] // 2 >= -512
-    if protocol.kind == "pairwise":
-        gap = layout.images[1][0] - layout.images[0][0] - size
-        assert gap == pytest.approx(size * 0.8 / 3.2, abs=1)
-
-
-@pytest.mark.parametrize(
-    ("size", "window", "message"),
-    [
-        ((255, 256), (1280, 1024), "The images are 255 x 256 pixels; both must be even"),
-        ((640, 640), (1280, 1024), "The trial needs 1440 x .* pixels, but the window has 1280 x 1024"),
-    ],
-)
-def test_what_does_not_fit_is_refused(size, window, message):
-    with pytest.raises(GlossError, match=message):
-        arrange(PAIRWISE, image_size_px=size, window_size_px=window)
-
-
-def test_the_scripted_pointer_presses_on_the_rating_and_on_the_button():
-    layout = arrange(PAIRWISE, image_size_px=(64, 64), window_size_px=(1280, 1024))
-    pointer = ScriptedPointer(layout)
-    pointer.rate(25)
-    pressed = []
-    for _ in range(8):
-        pointer.tick()
-        if pointer.getPressed()[0]:
-            pressed.append(pointer.getPos())
-    assert pressed == [(slider_x(25, layout), layout.slider[1]), layout.button]
-    assert (slider_x(0, layout), slider_x(100, layout)) == (-320, 320)
