@@ -23,7 +23,7 @@ from gloss_analysis.design.population import Population
 from gloss_analysis.design.simulation import EXPERIMENT_1, drawn_ratios, on_the_slider, wished_answers
 from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.mds.disparities import Level
-from gloss_experiments.observer_kinds import MEDIAN_RATIO, SD_LOG_RATIO
+from gloss_experiments.observers.observer_kinds import MEDIAN_RATIO, SD_LOG_RATIO
 from glossspace.console import progress_bar
 
 OBSERVERS = 9

@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.table import Table
 
 from gloss_experiments import run_session
-from gloss_experiments.screen import Screen
+from gloss_experiments.window.screen import Screen
 
 
 def rendered(folder: Path, size: int) -> Path:

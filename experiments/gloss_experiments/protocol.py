@@ -104,7 +104,7 @@ class Texts(_Part):
 
 
 class Checks(_Part):
-    """What the check of the screen before a session lets pass; see `gloss_experiments.preflight`."""
+    """What the check of the screen before a session lets pass; see `gloss_experiments.preflight.preflight`."""
 
     # Largest error of the images' visual angle, as a share.
     angle: Annotated[float, Field(gt=0, le=1)] = 0.02

@@ -6,7 +6,7 @@ import sys
 import threading
 import time
 
-from gloss_experiments.dialog import ask_details
+from gloss_experiments.window.dialog import ask_details
 
 
 def xdotool(*words):

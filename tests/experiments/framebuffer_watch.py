@@ -7,9 +7,9 @@ import time
 import numpy as np
 from PIL import Image
 
-from gloss_experiments.pointer import slider_x
-from gloss_experiments.screen import Screen
-from gloss_experiments.session import Phase
+from gloss_experiments.session.state import Phase
+from gloss_experiments.window.pointer import slider_x
+from gloss_experiments.window.screen import Screen
 from glossspace.stimulus_set import read_stimulus_set
 
 

@@ -15,8 +15,8 @@ from itertools import cycle
 from pathlib import Path
 
 from gloss_experiments import read_protocol, run_session
-from gloss_experiments.journal import journal_path
-from gloss_experiments.journal_content import read_journal
+from gloss_experiments.session.journal import journal_path
+from gloss_experiments.session.journal_content import read_journal
 
 
 def main(request):

@@ -7,8 +7,8 @@ import time
 from framebuffer_watch import Watch
 
 from gloss_experiments import run_session
-from gloss_experiments.pointer import slider_x
-from gloss_experiments.session import Phase
+from gloss_experiments.session.state import Phase
+from gloss_experiments.window.pointer import slider_x
 
 
 class Hand:

@@ -4,7 +4,7 @@ import shutil
 import pytest
 
 from gloss_experiments import run_session
-from gloss_experiments.dataset_check import check_dataset
+from gloss_experiments.datasets.dataset_check import check_dataset
 from glossspace.errors import GlossError
 from glossspace.stimulus_set import read_stimulus_set
 from tests.experiments.session_files import lines_of, with_design

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from gloss_experiments.dialog import ask_details
+from gloss_experiments.window.dialog import ask_details
 from glossspace.errors import GlossError
 from tests.experiments.virtual_display import on_a_virtual_display
 

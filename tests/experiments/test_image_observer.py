@@ -8,14 +8,14 @@ from PIL import Image
 from scipy.special import erf
 
 from gloss_experiments import run_session
-from gloss_experiments.image_observer import (
+from gloss_experiments.observers.image_observer import (
     WIDTH_STEP,
     contrast_and_sharpness,
     image_axes,
     lightness_of_luminance,
     sphere_outline,
 )
-from gloss_experiments.observer import SimulatedObserver
+from gloss_experiments.observers.observer import SimulatedObserver
 from glossspace.dataset import read_dissimilarities, read_simulated_observers
 from glossspace.display import DisplayModel
 from glossspace.errors import GlossError

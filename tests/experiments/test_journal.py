@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from gloss_experiments.design import Trial, session_trials
-from gloss_experiments.journal import Journal
 from gloss_experiments.protocol import Protocol
-from gloss_experiments.session import Answer, Trace
+from gloss_experiments.session.journal import Journal
+from gloss_experiments.session.state import Answer, Trace
 from glossspace.errors import GlossError
 
 HEADER = {
@@ -157,9 +157,8 @@ def test_another_order_is_refused(path):
 
 
 def test_two_processes_cannot_write_one_session(path):
-    code = (
-        f"from gloss_experiments.journal import Journal\nwith Journal(__import__('pathlib').Path({str(path)!r})): pass"
-    )
+    imports = "from pathlib import Path\nfrom gloss_experiments.session.journal import Journal\n"
+    code = f"{imports}with Journal(Path({str(path)!r})): pass"
     with Journal(path):
         second = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
         assert "Another process is running the session" in second.stderr
@@ -170,7 +169,7 @@ def test_two_processes_cannot_write_one_session(path):
 
 def test_a_killed_process_leaves_no_lock(path):
     code = (
-        f"import os, signal, pathlib\nfrom gloss_experiments.journal import Journal\n"
+        f"import os, signal, pathlib\nfrom gloss_experiments.session.journal import Journal\n"
         f"with Journal(pathlib.Path({str(path)!r})): os.kill(os.getpid(), signal.SIGKILL)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == -signal.SIGKILL

@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gloss_experiments import read_protocol
-from gloss_experiments.grid import largest_grid
-from gloss_experiments.layout import arrange, checked_angle_deg, visual_angle_deg
-from gloss_experiments.pointer import ScriptedPointer, drag_steps, rating_steps, slider_x
-from gloss_experiments.ranking_layout import arrange_ranking
+from gloss_experiments.window.grid import largest_grid
+from gloss_experiments.window.layout import arrange, checked_angle_deg, visual_angle_deg
+from gloss_experiments.window.pointer import ScriptedPointer, drag_steps, rating_steps, slider_x
+from gloss_experiments.window.ranking_layout import arrange_ranking
 from glossspace.errors import GlossError
 
 PAIRWISE, DOI, RANKING = (read_protocol(name) for name in ("pairwise", "doi", "ranking"))

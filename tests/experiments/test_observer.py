@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gloss_experiments.design import Trial
-from gloss_experiments.observer import Judge, SimulatedObserver
+from gloss_experiments.observers.observer import Judge, SimulatedObserver
 from glossspace.errors import GlossError
 
 AXES = {"dull": (0.0, 0.9), "middle": (0.05, 0.93), "glossy": (0.1, 0.96)}

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from gloss_experiments import run_session
-from gloss_experiments.observer import SimulatedObserver
-from gloss_experiments.observer_kinds import OBSERVER_KINDS, observer_named, seen_axes, simulated_observers
+from gloss_experiments.observers.observer import SimulatedObserver
+from gloss_experiments.observers.observer_kinds import OBSERVER_KINDS, observer_named, seen_axes, simulated_observers
 from glossspace.dataset import read_simulated_observers
 from glossspace.errors import GlossError
 from glossspace.stimulus_set import read_stimulus_set

@@ -4,8 +4,8 @@ import shutil
 import pytest
 
 from gloss_experiments import run_session
-from gloss_experiments.observer import SimulatedObserver
-from gloss_experiments.rebuild import read_session, rebuild_dataset
+from gloss_experiments.datasets.rebuild import read_session, rebuild_dataset
+from gloss_experiments.observers.observer import SimulatedObserver
 from glossspace.dataset import read_simulated_observers, validate_dataset
 from glossspace.errors import GlossError
 from tests.experiments.session_files import data_of, lines_of, with_design

@@ -7,13 +7,13 @@ import sys
 
 import pytest
 
-import gloss_experiments.dialog
-import gloss_experiments.preflight
-import gloss_experiments.run
+import gloss_experiments.preflight.preflight
+import gloss_experiments.session.run
+import gloss_experiments.window.dialog
 from gloss_experiments import run_session
-from gloss_experiments.command import session as session_command
-from gloss_experiments.preflight import Preflight, Row
-from gloss_experiments.session import Confirmed, Continued, Phase, RatingChosen, TimedOut, Trace
+from gloss_experiments.commands.session import session as session_command
+from gloss_experiments.preflight.preflight import Preflight, Row
+from gloss_experiments.session.state import Confirmed, Continued, Phase, RatingChosen, TimedOut, Trace
 from glossspace.dataset import read_magnitudes, validate_dataset
 from glossspace.errors import GlossError
 from tests.experiments.session_files import lines_of, rows_of
@@ -78,8 +78,10 @@ def person(monkeypatch, tmp_path):
     def check_screen(window, protocol, stimulus_set, *, calibration=None, override=None):
         return Preflight(rows=(off,), override=override)
 
-    monkeypatch.setattr(gloss_experiments.preflight, "check_screen", check_screen)
-    monkeypatch.setattr(gloss_experiments.run, "open_presenter", lambda *given, **named: contextlib.nullcontext(person))
+    monkeypatch.setattr(gloss_experiments.preflight.preflight, "check_screen", check_screen)
+    monkeypatch.setattr(
+        gloss_experiments.session.run, "open_presenter", lambda *given, **named: contextlib.nullcontext(person)
+    )
     return person
 
 
@@ -177,7 +179,7 @@ def test_a_dialog_asks_a_person_for_what_is_missing(experiment1, tmp_path, perso
         asked.append(dict(known))
         return answer
 
-    monkeypatch.setattr(gloss_experiments.dialog, "ask_details", ask_details)
+    monkeypatch.setattr(gloss_experiments.window.dialog, "ask_details", ask_details)
     monkeypatch.setattr(sys, "stdin", Terminal())
     monkeypatch.setattr(sys, "stderr", Terminal())
     answer = filled_in

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from gloss_experiments import read_protocol, run_session
-from gloss_experiments.screen import open_screen
+from gloss_experiments.window.screen import open_screen
 from glossspace.errors import GlossError
 from tests.experiments.virtual_display import on_a_virtual_display
 

@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gloss_experiments.design import Trial
-from gloss_experiments.session import (
+from gloss_experiments.session.state import (
     Answer,
     Confirmed,
     Continued,

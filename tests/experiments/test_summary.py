@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from gloss_experiments.design import Trial
-from gloss_experiments.session import Answer, Trace
-from gloss_experiments.summary import summarise, summary_lines
+from gloss_experiments.session.state import Answer, Trace
+from gloss_experiments.session.summary import summarise, summary_lines
 
 
 def answer(stimuli, rating, time_s=None, *, role="judged", number=1, **more):

@@ -1,6 +1,6 @@
 from gloss_experiments.design import Trial
-from gloss_experiments.session import Answer, Trace
-from gloss_experiments.trial_rows import trial_rows
+from gloss_experiments.session.state import Answer, Trace
+from gloss_experiments.session.trial_rows import trial_rows
 
 TRACE = Trace(0.71234, n_changes=3, n_reversals=1, lowest=20, highest=60, n_frames=90, n_dropped=2)
 

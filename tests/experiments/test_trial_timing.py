@@ -4,11 +4,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gloss_experiments.frames import FrameRecorder
-from gloss_experiments.ranking_board import RankingBoard
-from gloss_experiments.rating_screen import rating_by_key
-from gloss_experiments.slider_path import n_changes, n_reversals
-from gloss_experiments.trial_clock import TrialClock
+from gloss_experiments.window.frames import FrameRecorder
+from gloss_experiments.window.ranking_board import RankingBoard
+from gloss_experiments.window.rating_screen import rating_by_key
+from gloss_experiments.window.slider_path import n_changes, n_reversals
+from gloss_experiments.window.trial_clock import TrialClock
 
 
 def record(recorder, flips):

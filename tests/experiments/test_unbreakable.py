@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 
 from gloss_experiments import read_protocol, run_session
-from gloss_experiments.dataset_check import check_dataset
-from gloss_experiments.journal import Journal, journal_path
-from gloss_experiments.journal_content import read_journal
-from gloss_experiments.rebuild import rebuild_dataset
+from gloss_experiments.datasets.dataset_check import check_dataset
+from gloss_experiments.datasets.rebuild import rebuild_dataset
+from gloss_experiments.session.journal import Journal, journal_path
+from gloss_experiments.session.journal_content import read_journal
 from glossspace.errors import GlossError
 
 PROGRAM = Path(__file__).with_name("killed_sessions.py")

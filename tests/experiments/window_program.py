@@ -15,9 +15,9 @@ from real_hand import with_a_hand
 
 from gloss_experiments import read_protocol, run_session
 from gloss_experiments.design import Trial
-from gloss_experiments.message_screen import MessageScreen
-from gloss_experiments.screen import open_screen
-from gloss_experiments.session import Phase, start_session
+from gloss_experiments.session.state import Phase, start_session
+from gloss_experiments.window.message_screen import MessageScreen
+from gloss_experiments.window.screen import open_screen
 from glossspace.stimulus_set import read_stimulus_set
 
 

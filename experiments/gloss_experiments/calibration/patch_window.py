@@ -11,9 +11,9 @@ import numpy as np
 from gloss_experiments.calibration.measuring import Pace
 from gloss_experiments.calibration.patches import Patch
 from gloss_experiments.calibration.photometer import Photometer
-from gloss_experiments.layout import arrange
 from gloss_experiments.protocol import Protocol
-from gloss_experiments.window import open_window, refresh_period_s
+from gloss_experiments.window.layout import arrange
+from gloss_experiments.window.window import open_window, refresh_period_s
 
 __all__ = ["ManualPhotometer", "PatchWindow", "open_patch_window"]
 

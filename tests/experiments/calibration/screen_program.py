@@ -20,8 +20,8 @@ import numpy as np
 from gloss_experiments import read_protocol
 from gloss_experiments.calibration import Pace, Patch, standard_patches
 from gloss_experiments.calibration.patch_window import AimedPhotometer, ManualPhotometer, open_patch_window
-from gloss_experiments.preflight import check_screen
-from gloss_experiments.window import open_window
+from gloss_experiments.preflight.preflight import check_screen
+from gloss_experiments.window.window import open_window
 from glossspace.stimulus_set import read_stimulus_set
 
 PAIRWISE = read_protocol("pairwise")

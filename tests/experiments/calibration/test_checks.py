@@ -1,14 +1,9 @@
 """Additivity, uniformity, stray light and warming up, against what the simulated screen was given."""
 
-import doctest
-import importlib
-import inspect
 import math
-import pkgutil
 
 import pytest
 
-import gloss_experiments.calibration
 from gloss_experiments.calibration import (
     SimulatedScreen,
     check_additivity,
@@ -19,22 +14,6 @@ from gloss_experiments.calibration import (
 )
 from glossspace.errors import GlossError
 from tests.experiments.calibration.screens import readings_of
-
-_PACKAGE = gloss_experiments.calibration
-MODULES = [
-    *(f"{_PACKAGE.__name__}.{one.name}" for one in pkgutil.iter_modules(_PACKAGE.__path__)),
-    *(f"gloss_experiments.{name}" for name in ("preflight", "preflight_rows", "gamma_table", "screen_facts")),
-]
-
-
-@pytest.mark.parametrize("name", MODULES)
-def test_docstrings(name):
-    """Every example runs, and every public function and class says what it is."""
-    module = importlib.import_module(name)
-    failed, _ = doctest.testmod(module)
-    assert failed == 0
-    public = [getattr(module, name) for name in module.__all__]
-    assert all(one.__doc__ for one in public if inspect.isclass(one) or inspect.isfunction(one))
 
 
 def test_a_screen_without_a_fault():

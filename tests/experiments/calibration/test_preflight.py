@@ -16,10 +16,10 @@ from gloss_experiments.calibration import (
     read_calibration,
     save_calibration,
 )
-from gloss_experiments.gamma_table import GammaTable, monitor_gamma, read_gamma_table
-from gloss_experiments.preflight import check_screen, judge_screen
-from gloss_experiments.preflight_rows import largest_delta_l
-from gloss_experiments.screen_facts import ScreenFacts
+from gloss_experiments.preflight.gamma_table import GammaTable, monitor_gamma, read_gamma_table
+from gloss_experiments.preflight.preflight import check_screen, judge_screen
+from gloss_experiments.preflight.preflight_rows import largest_delta_l
+from gloss_experiments.preflight.screen_facts import ScreenFacts
 from glossspace.display import DisplayModel
 from glossspace.errors import GlossError
 from glossspace.stimulus_set import StimulusSet
@@ -254,8 +254,8 @@ def test_what_psychopy_corrects():
 
 
 def test_the_check_of_a_window(stored, monkeypatch):
-    monkeypatch.setattr("gloss_experiments.screen_facts.refresh_period_s", lambda window: None)
-    monkeypatch.setattr("gloss_experiments.screen_facts.connected_edid_sha256", lambda: ())
+    monkeypatch.setattr("gloss_experiments.preflight.screen_facts.refresh_period_s", lambda window: None)
+    monkeypatch.setattr("gloss_experiments.preflight.screen_facts.connected_edid_sha256", lambda: ())
     calibration = stored()
     window = Window(IDENTITY.values ** (1 / 2.2))
     found = check_screen(window, PAIRWISE, images(), calibration=calibration.path, now=NOW)

@@ -1,0 +1,1 @@
+"""`gloss session`, `gloss dataset`, `gloss calibrate`."""

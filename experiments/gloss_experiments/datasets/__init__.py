@@ -1,0 +1,1 @@
+"""Datasets and their journals: checked against each other, data files made anew."""

@@ -1,0 +1,1 @@
+"""Simulated observers: programs that answer."""

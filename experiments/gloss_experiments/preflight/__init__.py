@@ -1,0 +1,1 @@
+"""The check of the screen before a session."""
