@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from gloss_experiments import read_protocol
 from gloss_experiments.window.grid import largest_grid
-from gloss_experiments.window.layout import arrange, checked_angle_deg, visual_angle_deg
+from gloss_experiments.window.layout import arrange, visual_angle_deg
 from gloss_experiments.window.pointer import ScriptedPointer, drag_steps, rating_steps, slider_x
 from gloss_experiments.window.ranking_layout import arrange_ranking
 from glossspace.errors import GlossError
@@ -20,15 +20,6 @@ SXGA = (1280, 1024)
 def test_the_visual_angle_of_the_paper():
     """3.2 degrees at 60 inches are 8.514 cm: 2 · 152.4 cm · tan 1.6 degrees."""
     assert visual_angle_deg(8514, pixel_pitch_mm=0.01, distance_cm=152.4) == pytest.approx(3.2, abs=1e-4)
-
-
-def test_images_of_a_wrong_angle_are_refused():
-    display = PAIRWISE.display.model_copy(update={"pixel_pitch_mm": 0.2695})
-    protocol = PAIRWISE.model_copy(update={"display": display})
-    assert checked_angle_deg(PAIRWISE, 512) is None, "unknown without the pitch"
-    assert checked_angle_deg(protocol, 316) == pytest.approx(3.2, abs=0.01)
-    with pytest.raises(GlossError, match="are 5.18 degrees wide on this screen, but must be 3.2. .* --size 316"):
-        checked_angle_deg(protocol, 512)
 
 
 @pytest.mark.parametrize("protocol", [PAIRWISE, DOI], ids=["pairwise", "magnitude"])

@@ -1,8 +1,6 @@
 import json
-import random
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -17,16 +15,6 @@ from glossspace.dataset import (
 from glossspace.errors import GlossError
 from glossspace.stimulus_set import read_stimulus_set
 from tests.experiments.session_files import data_of
-
-SLOW_SESSION = """
-import sys, time
-from gloss_experiments import run_session
-
-def wait(done, total):
-    time.sleep(0.002)
-
-run_session("pairwise", stimuli=sys.argv[1], dataset=sys.argv[2], participant="01", on_trial=wait)
-"""
 
 
 def test_experiment_1_and_2_make_a_whole_dataset(experiment1, tmp_path):
@@ -124,27 +112,6 @@ def test_an_interrupted_session_goes_on_where_it_was(experiment1, tmp_path, n):
     assert (result.n_before, result.seed) == (n, 3)
     run_session("doi", stimuli=experiment1, dataset=tmp_path / "b", participant="01", seed=3)
     assert data_of(tmp_path / "a") == data_of(tmp_path / "b")
-
-
-def test_killed_at_random_moments_and_resumed_it_equals_an_unbroken_run(experiment1, tmp_path):
-    rng, kills = random.Random(1), 0
-    for _ in range(20):
-        process = subprocess.Popen([sys.executable, "-c", SLOW_SESSION, str(experiment1), str(tmp_path / "a")])
-        journal = tmp_path / "a" / "journals" / "subject-01_session-1_task-pairwise.jsonl"
-        before = journal.stat().st_size if journal.exists() else 0
-        # Killed some time after it has begun to write, so that every run gets a little further.
-        while process.poll() is None and (not journal.exists() or journal.stat().st_size <= before):
-            time.sleep(0.005)
-        time.sleep(rng.uniform(0.1, 0.45))
-        process.kill()
-        if process.wait() == 0:
-            break
-        kills += 1
-    assert kills >= 3
-    assert process.returncode == 0
-    run_session("pairwise", stimuli=experiment1, dataset=tmp_path / "b", participant="01")
-    assert data_of(tmp_path / "a") == data_of(tmp_path / "b")
-    validate_dataset(tmp_path / "a")
 
 
 def test_killed_between_the_data_and_their_description(experiment1, tmp_path):

@@ -1,7 +1,7 @@
 """Where everything stands on the screen, in whole pixels from its centre: pure arithmetic, no window."""
 
 from dataclasses import dataclass
-from math import atan, degrees, radians, tan
+from math import atan, degrees
 
 from gloss_experiments.protocol import Protocol
 from glossspace.errors import GlossError
@@ -10,14 +10,10 @@ __all__ = [
     "Layout",
     "arrange",
     "button_size_px",
-    "checked_angle_deg",
     "refuse_odd_size",
     "round_even",
     "visual_angle_deg",
 ]
-
-# An angle wrong by more than this would be seen in the data as a study of other stimuli.
-ANGLE_TOLERANCE = 0.02
 
 
 @dataclass(frozen=True)
@@ -48,55 +44,6 @@ def visual_angle_deg(size_px: int, *, pixel_pitch_mm: float, distance_cm: float)
     3.2
     """
     return degrees(2 * atan(size_px * pixel_pitch_mm / 10 / 2 / distance_cm))
-
-
-def checked_angle_deg(protocol: Protocol, image_width_px: int) -> float | None:
-    """The visual angle that an image has on the screen; None where the protocol does not say its pixel pitch.
-
-    Raises
-    ------
-    GlossError
-        It differs by more than 2 % from what the protocol wants.
-    """
-    display = protocol.display
-    if display.pixel_pitch_mm is None:
-        return None
-    pitch_mm, distance_cm = display.pixel_pitch_mm, display.viewing_distance_cm
-    angle = visual_angle_deg(image_width_px, pixel_pitch_mm=pitch_mm, distance_cm=distance_cm)
-    if abs(angle / display.image_width_deg - 1) > ANGLE_TOLERANCE:
-        width_mm = 20 * distance_cm * tan(radians(display.image_width_deg) / 2)
-        raise GlossError(
-            f"The images are {angle:.2f} degrees wide on this screen, but must be {display.image_width_deg:g}. "
-            f"Render them with --size {round_even(width_mm / pitch_mm)}, or change the viewing distance."
-        )
-    return angle
-
-
-def button_size_px(text_size_px: int) -> tuple[int, int]:
-    """Width and height of a button for texts of this size, both even.
-
-    Examples
-    --------
-    >>> button_size_px(24)
-    (192, 46)
-    """
-    return round_even(8 * text_size_px), round_even(1.9 * text_size_px)
-
-
-def refuse_odd_size(image_size_px: tuple[int, int]) -> None:
-    """Refuse images that cannot cover whole pixels about a whole pixel.
-
-    Raises
-    ------
-    GlossError
-        Width or height is odd.
-    """
-    width, height = image_size_px
-    if width % 2 or height % 2:
-        raise GlossError(
-            f"The images are {width} x {height} pixels; both must be even, or the screen blends neighbouring pixels. "
-            "Render the set again with an even --size."
-        )
 
 
 def arrange(protocol: Protocol, *, image_size_px: tuple[int, int], window_size_px: tuple[int, int]) -> Layout:
