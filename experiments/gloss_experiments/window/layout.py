@@ -46,6 +46,33 @@ def visual_angle_deg(size_px: int, *, pixel_pitch_mm: float, distance_cm: float)
     return degrees(2 * atan(size_px * pixel_pitch_mm / 10 / 2 / distance_cm))
 
 
+def button_size_px(text_size_px: int) -> tuple[int, int]:
+    """Width and height of a button for texts of this size, both even.
+
+    Examples
+    --------
+    >>> button_size_px(24)
+    (192, 46)
+    """
+    return round_even(8 * text_size_px), round_even(1.9 * text_size_px)
+
+
+def refuse_odd_size(image_size_px: tuple[int, int]) -> None:
+    """Refuse images that cannot cover whole pixels about a whole pixel.
+
+    Raises
+    ------
+    GlossError
+        Width or height is odd.
+    """
+    width, height = image_size_px
+    if width % 2 or height % 2:
+        raise GlossError(
+            f"The images are {width} x {height} pixels; both must be even, or the screen blends neighbouring pixels. "
+            "Render the set again with an even --size."
+        )
+
+
 def arrange(protocol: Protocol, *, image_size_px: tuple[int, int], window_size_px: tuple[int, int]) -> Layout:
     """Lay out a trial: one or two images, and below them slider, labels, readout and button, together centred.
 
