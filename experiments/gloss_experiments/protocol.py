@@ -15,8 +15,9 @@ from glossspace.user_table import read_user_table
 __all__ = ["Checks", "Design", "Display", "Kind", "Protocol", "Slider", "Texts", "read_protocol", "shipped_protocols"]
 
 Kind = Literal["pairwise", "magnitude", "ranking"]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Pixels = Annotated[int, Field(ge=1, le=20_000)]
+# Strict, since pydantic else takes `practice = true` as 1.
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
+Pixels = Annotated[int, Field(ge=1, le=20_000, strict=True)]
 
 
 class _Part(BaseModel):
@@ -26,19 +27,19 @@ class _Part(BaseModel):
 class Design(_Part):
     """Which trials there are, and what comes round them."""
 
-    repeats: Annotated[int, Field(ge=1, le=1000)] = 1
+    repeats: Annotated[int, Field(ge=1, le=1000, strict=True)] = 1
     include_identical: bool = True
     stimuli: tuple[str, ...] = ()
     # An incomplete design: these pairs alone. A protocol file names a CSV file here, which `read_protocol` reads.
     pairs: tuple[tuple[str, str], ...] = ()
     reference: str | None = None
-    sessions: Annotated[int, Field(ge=1, le=1000)] = 1
+    sessions: Annotated[int, Field(ge=1, le=1000, strict=True)] = 1
     preview: bool = False
-    practice: Annotated[int, Field(ge=0, le=1000)] = 0
-    catch_trials: Annotated[int, Field(ge=0, le=1000)] = 0
-    break_every: Annotated[int, Field(ge=0, le=100_000)] = 0
-    break_min_s: Annotated[float, Field(ge=0, le=3600)] = 0.0
-    time_limit_s: Annotated[float, Field(gt=0, le=3600)] | None = None
+    practice: Annotated[int, Field(ge=0, le=1000, strict=True)] = 0
+    catch_trials: Annotated[int, Field(ge=0, le=1000, strict=True)] = 0
+    break_every: Annotated[int, Field(ge=0, le=100_000, strict=True)] = 0
+    break_min_s: Annotated[float, Field(ge=0, le=3600, strict=True)] = 0.0
+    time_limit_s: Annotated[float, Field(gt=0, le=3600, strict=True)] | None = None
 
     @model_validator(mode="after")
     def _pairs_stand_alone(self) -> "Design":
@@ -56,9 +57,9 @@ class Display(_Part):
     """Where the images stand, and at which visual angle."""
 
     viewing_distance_cm: Positive = 152.4
-    image_width_deg: Annotated[float, Field(gt=0, lt=90)] = 3.2
-    gap_deg: Annotated[float, Field(ge=0, lt=90)] = 0.8
-    blank_s: Annotated[float, Field(ge=0, le=60)] = 0.25
+    image_width_deg: Annotated[float, Field(gt=0, lt=90, strict=True)] = 3.2
+    gap_deg: Annotated[float, Field(ge=0, lt=90, strict=True)] = 0.8
+    blank_s: Annotated[float, Field(ge=0, le=60, strict=True)] = 0.25
     pixel_pitch_mm: Positive | None = None
     fullscreen: bool = True
     window_size_px: tuple[Pixels, Pixels] = (1280, 1024)
@@ -70,7 +71,7 @@ class Slider(_Part):
     low_label: str
     high_label: str
     # Narrower than a pixel a step, some ratings could not be reached.
-    width_px: Annotated[int, Field(ge=101, le=20_000)] = 640
+    width_px: Annotated[int, Field(ge=101, le=20_000, strict=True)] = 640
 
 
 class Texts(_Part):
@@ -91,7 +92,7 @@ class Texts(_Part):
     confirm: str = "Confirm"
     finished: str = "This session is complete. Thank you."
     font: str = "Noto Sans"
-    size_px: Annotated[int, Field(ge=6, le=400)] = 24
+    size_px: Annotated[int, Field(ge=6, le=400, strict=True)] = 24
 
     @field_validator("progress")
     @classmethod
@@ -107,13 +108,13 @@ class Checks(_Part):
     """What the check of the screen before a session lets pass; see `gloss_experiments.preflight.preflight`."""
 
     # Largest error of the images' visual angle, as a share.
-    angle: Annotated[float, Field(gt=0, le=1)] = 0.02
+    angle: Annotated[float, Field(gt=0, le=1, strict=True)] = 0.02
     # Largest L* by which the screen may differ from the one that the images were made for, over all code values.
-    luminance_delta_l: Annotated[float, Field(gt=0, le=100)] = 1.5
-    calibration_max_age_days: Annotated[float, Field(gt=0, le=36_500)] = 30.0
+    luminance_delta_l: Annotated[float, Field(gt=0, le=100, strict=True)] = 1.5
+    calibration_max_age_days: Annotated[float, Field(gt=0, le=36_500, strict=True)] = 30.0
     # Where it is stated, the screen must have it, and drop no more than this share of its frames.
-    frame_rate_hz: Annotated[float, Field(ge=10, le=1000)] | None = None
-    dropped_frames: Annotated[float, Field(ge=0, lt=1)] = 0.02
+    frame_rate_hz: Annotated[float, Field(ge=10, le=1000, strict=True)] | None = None
+    dropped_frames: Annotated[float, Field(ge=0, lt=1, strict=True)] = 0.02
     # A screen without a calibration, or a gamma table that cannot be read: a row that warns, or one that refuses.
     uncalibrated: Literal["warn", "refuse"] = "warn"
     unreadable_gamma_table: Literal["warn", "refuse"] = "warn"
@@ -176,12 +177,13 @@ def shipped_protocols() -> dict[str, Path]:
 
 
 def read_protocol(source: str | Path) -> Protocol:
-    """Read a protocol from a TOML file, or by the name of a shipped one.
+    """Read a protocol from a TOML file, by the name of a shipped one, or from the journal of a session (.jsonl).
 
     Raises
     ------
     GlossError
-        There is none of that name, it is not TOML, or a value is not allowed: the message names the key and the value.
+        There is none of that name, it is not TOML or no journal, or a value is not allowed: the message names the key
+        and the value.
 
     Examples
     --------
@@ -191,7 +193,8 @@ def read_protocol(source: str | Path) -> Protocol:
     shipped = shipped_protocols()
     path = shipped.get(str(source), Path(source))
     try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        document = _in_journal(text, path) if path.suffix == ".jsonl" else tomllib.loads(text)
     except (FileNotFoundError, IsADirectoryError):
         raise GlossError(f"No protocol '{source}'. Give a TOML file or one of: {', '.join(shipped)}.") from None
     except (OSError, UnicodeDecodeError) as error:
@@ -202,6 +205,17 @@ def read_protocol(source: str | Path) -> Protocol:
         return Protocol.model_validate(_with_pairs_read(document, path.parent))
     except ValidationError as error:
         raise GlossError(f"The protocol '{path}': {_first_problem(error)}") from None
+
+
+def _in_journal(text: str, path: Path) -> dict[str, Any]:
+    """The protocol that a session began with stands in the header of its journal."""
+    try:
+        document = json.loads(text.partition("\n")[0])["protocol"]
+    except (ValueError, KeyError, TypeError):
+        document = None
+    if not isinstance(document, dict):
+        raise GlossError(f"'{path}' is no journal of a session: its first line holds no protocol.")
+    return document
 
 
 def _with_pairs_read(document: dict[str, Any], folder: Path) -> dict[str, Any]:

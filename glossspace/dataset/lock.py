@@ -49,12 +49,11 @@ def locked(path: str | Path, *, timeout_s: float = 30.0) -> Iterator[None]:
     Raises
     ------
     GlossError
-        Another process still holds it after `timeout_s`.
+        Another process still holds it after `timeout_s`, or it cannot be opened.
     """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
     deadline = time.monotonic() + timeout_s
-    with path.open("ab") as stream:
+    with _opened(path) as stream:
         while not try_lock(stream):
             if time.monotonic() > deadline:
                 raise GlossError(
@@ -62,3 +61,14 @@ def locked(path: str | Path, *, timeout_s: float = 30.0) -> Iterator[None]:
                 )
             time.sleep(0.02)
         yield
+
+
+def _opened(path: Path) -> IO[bytes]:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path.open("ab")
+    except OSError as error:
+        raise GlossError(
+            f"Cannot open the lock file '{path}': {error.strerror or error}. Whoever writes to the folder needs the "
+            "right to change it and its files; or give another folder."
+        ) from None

@@ -1,5 +1,6 @@
 """``stimuli.csv``: what the judged stimuli were, so that a dataset can be analysed without its images."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -7,7 +8,7 @@ import pandas as pd
 from glossspace.dataset.lock import locked
 from glossspace.errors import GlossError
 from glossspace.files import write_text
-from glossspace.stimulus_set import Stimulus, StimulusSet
+from glossspace.stimulus_set import Stimulus
 from glossspace.user_table import read_user_table
 
 __all__ = ["STIMULI_FILE", "read_stimuli", "read_stimulus_table", "record_stimuli"]
@@ -16,8 +17,8 @@ STIMULI_FILE = "stimuli.csv"
 _COLUMNS = ["stimulus", "rho_d", "rho_s", "alpha"]
 
 
-def record_stimuli(folder: str | Path, shown: StimulusSet) -> None:
-    """Add the stimuli of a set to those that the dataset knows.
+def record_stimuli(folder: str | Path, shown: Sequence[Stimulus], *, source: str) -> None:
+    """Add stimuli to those that the dataset knows; an error message calls their `source` by that name.
 
     Raises
     ------
@@ -25,7 +26,7 @@ def record_stimuli(folder: str | Path, shown: StimulusSet) -> None:
         The dataset knows a stimulus of this name with other parameters.
     """
     path = Path(folder) / STIMULI_FILE
-    new = shown.table()[_COLUMNS]
+    new = pd.DataFrame([(one.name, one.rho_d, one.rho_s, one.alpha) for one in shown], columns=_COLUMNS)
     with locked(Path(folder) / ".dataset.lock"):
         if not path.exists():
             write_text(path, new.to_csv(index=False, lineterminator="\n"))
@@ -37,7 +38,7 @@ def record_stimuli(folder: str | Path, shown: StimulusSet) -> None:
             if not differing.empty:
                 row = differing.iloc[0]
                 raise GlossError(
-                    f"The stimulus {row['stimulus']!r} has {column} {row[f'{column}_new']:g} in '{shown.folder}' but "
+                    f"The stimulus {row['stimulus']!r} has {column} {row[f'{column}_new']:g} in '{source}' but "
                     f"{row[column]:g} in '{path}'. Rename the stimulus, or use another dataset."
                 )
         if not set(new["stimulus"]) <= set(known["stimulus"]):

@@ -10,7 +10,7 @@ import pytest
 from gloss_analysis.judgements.judgement_table import from_table
 from gloss_analysis.mds import scale
 from gloss_experiments import run_session, simulated_observers
-from gloss_experiments.image_observer import image_axes
+from gloss_experiments.observers.image_observer import image_axes
 from gloss_stimuli import render_set
 from glossspace.dataset import read_dissimilarities
 

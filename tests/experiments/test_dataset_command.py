@@ -1,4 +1,5 @@
 import json
+import shutil
 
 import pytest
 
@@ -92,6 +93,33 @@ def test_rebuild_says_what_differs_and_exits_with_2(gloss, study):
     assert "task doi: DIFFERS from its journal and was left as it is." in out
     assert "1 data file differs from the journal, first" in err
     assert data_file(study).read_bytes() == before
+
+
+def test_rebuild_lists_a_journal_that_it_cannot_read_and_exits_with_2(gloss, study):
+    broken = study / "journals" / "subject-00_session-1_task-doi.jsonl"
+    broken.write_text("{}\n", "utf-8")
+    before = data_file(study).read_bytes()
+    data_file(study).unlink()
+    code, out, err = gloss("dataset", "rebuild", study)
+    assert code == 2
+    assert out.splitlines()[0].startswith("subject-00_session-1_task-doi: NOT READ. ")
+    assert out.splitlines()[1] == "participant 01, session 1, task doi: made."
+    assert "1 of 3 journals cannot be read" in err
+    assert data_file(study).read_bytes() == before
+
+
+def test_a_dataset_without_a_finished_session_is_whole(gloss, study, small_set, tmp_path):
+    (study / "journals" / "subject-01_session-1_task-doi.jsonl").unlink()
+    for name in ("data", "dataset_description.json"):
+        path = study / name
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
+    code, out, err = gloss("dataset", "check", study)
+    assert (code, out) == (0, f"'{study}' is whole: 0 data files, 1 journals, 0 pilots.\n")
+    assert "Not finished: participant 02" in err
+    assert "holds no data yet" in err
+    run_session("doi", stimuli=small_set, dataset=tmp_path / "pilots alone", participant="01", pilot=True)
+    code, out, _ = gloss("dataset", "check", tmp_path / "pilots alone")
+    assert (code, out) == (0, f"'{tmp_path / 'pilots alone'}' is whole: 0 data files, 0 journals, 1 pilots.\n")
 
 
 def test_export_bids(gloss, study, tmp_path):

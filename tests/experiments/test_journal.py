@@ -20,6 +20,11 @@ HEADER = {
     "stimuli_sha256": "s",
     "observer": {"kind": "human"},
 }
+# A trial's line, as it is written.
+WRITTEN = {
+    **{"type": "trial", "trial": 1, "block": 1, "repeat": 1, "role": "judged", "stimuli": ["a", "b"], "rating": 5},
+    **{"order": None, "response_time_s": 0.5, "timed_out": False, "trace": None, "mode": "screen"},
+}
 ANSWERS = [Answer(Trial(i, 1, 1, ("a", "b")), rating=10 * i, response_time_s=0.5) for i in (1, 2, 3)]
 
 
@@ -129,6 +134,16 @@ def test_a_torn_header_begins_anew(path):
             2,
             '{"type": "trial", "trial": 1, "block": 1, "repeat": 1, "stimuli": ["a"], "rating": null}',
             "rating None is not allowed",
+        ),
+        *(
+            (2, json.dumps(WRITTEN | change), message)
+            for change, message in (
+                ({"stimuli": "ab"}, "the stimuli 'ab' are no list of names"),
+                ({"stimuli": [1, 2]}, r"the stimuli \[1, 2\] are no list of names"),
+                ({"timed_out": None}, "timed_out None is neither true nor false"),
+                ({"response_time_s": "1.5"}, "the response time '1.5' is no time"),
+                ({"trace": {"n_changes": "two"}}, "n_changes 'two' is no number"),
+            )
         ),
     ],
 )

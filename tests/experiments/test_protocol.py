@@ -102,6 +102,8 @@ def test_the_hash_is_of_the_meaning(tmp_path):
         ),
         (("[slider]", "[slider]\nwidth_px = 50"), "slider.width_px = 50 is not allowed: .*101"),
         (("[slider]", "[slider]\nwidth = 50"), "unknown key 'slider.width'; allowed beside it are low_label"),
+        (("[slider]", "[design]\npractice = true\n[slider]"), "design.practice = True is not allowed"),
+        (("[slider]", "[checks]\nangle = true\n[slider]"), "checks.angle = True is not allowed"),
         (("[slider]", "[design]\nrepeats = 0\n[slider]"), "design.repeats = 0 is not allowed"),
         (('question = "Wie glänzend?"', ""), "'texts.question' is missing"),
         (("[slider]", "[slider"), "not valid TOML.*line"),

@@ -4,9 +4,10 @@ import shutil
 import pytest
 
 from gloss_experiments import run_session
-from gloss_experiments.datasets.rebuild import read_session, rebuild_dataset
+from gloss_experiments.datasets.journalled_session import read_session
+from gloss_experiments.datasets.rebuild import rebuild_dataset
 from gloss_experiments.observers.observer import SimulatedObserver
-from glossspace.dataset import read_simulated_observers, validate_dataset
+from glossspace.dataset import read_simulated_observers, read_stimuli, validate_dataset
 from glossspace.errors import GlossError
 from tests.experiments.session_files import data_of, lines_of, with_design
 
@@ -33,13 +34,15 @@ def test_all_data_come_again_from_the_journals(study):
     assert len(pilots) == 1
     shutil.rmtree(study / "data")
     shutil.rmtree(study / "pilots" / "data")
-    for name in ("dataset_description.json", "simulated_observers.json"):
+    stimuli = read_stimuli(study)
+    for name in ("dataset_description.json", "simulated_observers.json", "stimuli.csv"):
         (study / name).unlink()
     rebuilt = rebuild_dataset(study)
     assert {(one.outcome, one.pilot) for one in rebuilt} == {("made", False), ("made", True)}
     assert data_of(study) == before
     assert data_of(study / "pilots") == pilots
     assert read_simulated_observers(study)["participant_id"].tolist() == ["01"]
+    assert read_stimuli(study).equals(stimuli)
     validate_dataset(study)
     assert {one.outcome for one in rebuild_dataset(study)} == {"same"}
 
@@ -99,6 +102,8 @@ def test_what_a_kind_of_observer_is_survives(small_set, tmp_path):
         ({"n_trials": "many"}, "has no valid 'n_trials'"),
         ({"stimulus_sha256": []}, "has no valid 'stimulus_sha256'"),
         ({"participant": "a_b"}, "The participant in the header of .* 'a_b' cannot stand in a file name"),
+        ({"paints": {"a": {"rho_d": 0.1}}}, "the paint of 'a' is .*, not rho_d, rho_s and alpha"),
+        ({"paints": {"a": {"rho_d": 0.9, "rho_s": 0.9, "alpha": 0.1}}}, "must be at most 1"),
         ({"protocol": {"format": 1}}, r"The protocol in the header of the journal .* cannot be read \(name: Field"),
     ],
 )
@@ -110,11 +115,33 @@ def test_a_header_that_cannot_be(study, change, message):
         read_session(journal)
 
 
+def test_a_journal_that_cannot_be_read_does_not_hold_up_the_others(study):
+    before = data_of(study)
+    shutil.rmtree(study / "data")
+    journal = journal_of(study, "doi")
+    journal.write_bytes(b"{}\n" + journal.read_bytes())
+    outcomes = {one.journal.name: one for one in rebuild_dataset(study) if not one.pilot}
+    broken = outcomes.pop(journal.name)
+    assert (broken.outcome, broken.data) == ("unreadable", None)
+    assert "line 1 cannot be read" in broken.problem
+    assert [one.outcome for one in outcomes.values()] == ["made", "made"]
+    assert data_of(study) == {name: content for name, content in before.items() if "task-doi" not in name}
+
+
+def test_a_trial_of_another_kind_than_the_protocol_s(study):
+    journal = journal_of(study, "doi")
+    header, first, *rest = lines_of(journal)
+    pair = first | {"stimuli": first["stimuli"] * 2}
+    journal.write_text("".join(json.dumps(line) + "\n" for line in (header, pair, *rest)), "utf-8")
+    with pytest.raises(GlossError, match="practice trial 1 shows 2 stimuli, which no magnitude trial does"):
+        read_session(journal)
+
+
 def test_an_empty_journal_and_none(study, tmp_path):
     journal = journal_of(study, "doi")
     journal.write_bytes(b'{"type": "hea')
     with pytest.raises(GlossError, match="has no header: the session never began"):
-        rebuild_dataset(study)
+        read_session(journal)
     (tmp_path / "other").mkdir()
     with pytest.raises(GlossError, match="holds no journal under 'journals'"):
         rebuild_dataset(tmp_path / "other")

@@ -14,7 +14,7 @@ from glossspace.dataset import (
 )
 from glossspace.errors import GlossError
 from glossspace.stimulus_set import read_stimulus_set
-from tests.experiments.session_files import data_of
+from tests.experiments.session_files import data_of, lines_of
 
 
 def test_experiment_1_and_2_make_a_whole_dataset(experiment1, tmp_path):
@@ -141,6 +141,24 @@ def test_a_stimulus_cannot_change_within_a_dataset(experiment1, small_set, tmp_p
     assert not list(tmp_path.rglob("subject-03*")), "nothing is written half"
 
 
+@pytest.mark.parametrize("seed", [None, -1, 1.5, True, "1"])
+def test_a_journal_without_a_seed_is_refused(experiment1, tmp_path, seed):
+    result = run_session("doi", stimuli=experiment1, dataset=tmp_path, participant="01")
+    header, *rest = lines_of(result.journal_path)
+    lines = (header | {"seed": seed}, *rest)
+    result.journal_path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+    with pytest.raises(GlossError, match="has no valid 'seed'"):
+        run_session("doi", stimuli=experiment1, dataset=tmp_path, participant="01")
+
+
+def test_a_lock_file_that_cannot_be_opened(experiment1, tmp_path):
+    """As where another member of the lab made it, and nobody else may write to it."""
+    (tmp_path / ".dataset.lock").mkdir()
+    with pytest.raises(GlossError, match="Cannot open the lock file"):
+        run_session("doi", stimuli=experiment1, dataset=tmp_path, participant="01")
+    assert not list(tmp_path.rglob("*.jsonl")), "nothing is written half"
+
+
 def test_a_person_and_a_program_never_share_a_name(experiment1, tmp_path):
     run_session("doi", stimuli=experiment1, dataset=tmp_path, participant="01")
     with pytest.raises(GlossError, match=r"Participant '01' .* is simulated; give a person another identifier"):
@@ -165,6 +183,7 @@ def test_a_person_and_a_program_never_share_a_name(experiment1, tmp_path):
         ({"protocol": "pairs"}, "No protocol 'pairs'"),
         ({"stimuli": "nowhere"}, "No stimulus set at 'nowhere'"),
         ({"mode": "screen", "observer": SimulatedObserver(1, 1, 1, 1)}, "mode 'screen' is for a person"),
+        ({"observer": ""}, "No simulated observer of the kind ''"),
         ({"override": "a dark room"}, "are for the check of a person's screen"),
     ],
 )

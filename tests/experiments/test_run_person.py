@@ -43,6 +43,7 @@ class Person:
     """Stands in for the window and the person before it: rates 40 in two seconds, and lets every tenth trial pass."""
 
     window = None
+    refresh_s = None
 
     def __init__(self, stop_after=1000):
         self.stop_after = stop_after
@@ -75,7 +76,7 @@ def person(monkeypatch, tmp_path):
     person.dataset = tmp_path
     off = Row(name="frame rate", found="59 Hz", expected="75 Hz", verdict="refused")
 
-    def check_screen(window, protocol, stimulus_set, *, calibration=None, override=None):
+    def check_screen(window, protocol, stimulus_set, *, refresh_s, calibration=None, override=None):
         return Preflight(rows=(off,), override=override)
 
     monkeypatch.setattr(gloss_experiments.preflight.preflight, "check_screen", check_screen)

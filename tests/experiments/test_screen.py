@@ -109,7 +109,7 @@ def test_the_preview_and_the_gamma_of_a_saved_monitor(small_set, tmp_path):
     """A gamma in PsychoPy's own folder is not applied: under this display, applying one would fail, too."""
     seen = on_a_virtual_display("window_program.py", "overview", small_set, tmp_path, home=tmp_path)
     assert seen["saved_gamma"] == pytest.approx(2.2)
-    large, small = seen["1280"], seen["700"]
+    large, small = seen["1280"], seen["740"]
     assert large["picture_size"] == [256, 256]
     assert large["size_note"] == ""
     assert small["picture_size"][0] < 256
@@ -118,6 +118,14 @@ def test_the_preview_and_the_gamma_of_a_saved_monitor(small_set, tmp_path):
         assert found["differing_pixels"] == 0, "pictures of the preview hold the code values of the PNG, or their means"
         assert found["gamma"] is None
         assert found["native_gamma"], "the video card's table is left as it is"
+
+
+def test_texts_that_do_not_fit_are_refused(small_set, tmp_path):
+    """A line of 24 pixels is about 34 high: 60 lines are 2040, and 35 are 1190, of 1024."""
+    told = on_a_virtual_display("window_program.py", "overflow", small_set, tmp_path)
+    for key, message in told.items():
+        assert message is not None, key
+        assert message.startswith(f"texts.{key} does not fit into the window of 1280 x 1024 pixels")
 
 
 def test_without_psychopy_one_line_says_what_to_install(small_set, tmp_path, monkeypatch):

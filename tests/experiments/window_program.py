@@ -18,6 +18,7 @@ from gloss_experiments.design import Trial
 from gloss_experiments.session.state import Phase, start_session
 from gloss_experiments.window.message_screen import MessageScreen
 from gloss_experiments.window.screen import open_screen
+from glossspace.errors import GlossError
 from glossspace.stimulus_set import read_stimulus_set
 
 
@@ -205,7 +206,7 @@ def overview(stimuli, folder):
     stimulus_set = read_stimulus_set(stimuli)
     images = {stimulus.name: stimulus_set.image_path(stimulus.name) for stimulus in stimulus_set.stimuli}
     found = {"saved_gamma": float(monitors.Monitor("glossspace").getGamma()[0])}
-    for window_size in ((1280, 1024), (700, 440)):
+    for window_size in ((1280, 1024), (740, 440)):
         # At native size all fit beside each other into the large window, and not into the small one.
         protocol = protocol_with(
             "doi",
@@ -235,6 +236,21 @@ def overview(stimuli, folder):
     return found
 
 
+def overflow(stimuli, folder):
+    """What is said where a text does not fit into the window."""
+    stimulus_set = read_stimulus_set(stimuli)
+    images = {stimulus.name: stimulus_set.image_path(stimulus.name) for stimulus in stimulus_set.stimuli}
+    found = {}
+    for key, text in (("instructions", "a line\n" * 60), ("question", "wide " * 400), ("finished", "a line\n" * 35)):
+        protocol = protocol_with("doi", texts={key: text}, display={"fullscreen": False})
+        try:
+            with open_screen(protocol, images):
+                found[key] = None
+        except GlossError as error:
+            found[key] = str(error)
+    return found
+
+
 def _trials_of(images):
     return tuple(Trial(i, 1, 1, (name,)) for i, name in enumerate(images, start=1))
 
@@ -245,6 +261,7 @@ PROGRAMS = {
     "ranking": ranking,
     "limits": limits,
     "overview": overview,
+    "overflow": overflow,
 }
 
 if __name__ == "__main__":

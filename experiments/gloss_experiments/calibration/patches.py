@@ -19,7 +19,7 @@ POSITIONS: tuple[Position, ...] = get_args(Position)
 _MEANINGS: dict[Purpose, str] = {
     "fit": "what the curve is fitted to",
     "verify": "what the curve is judged by; never used in the fit",
-    "additivity": "red, green, blue, gray and black: does the sum of the channels make gray?",
+    "additivity": "red, green, blue, gray and black, to see whether the channels add up to gray",
     "uniformity": "gray at the places of the two images, and over the full field",
     "veiling": "black in the centre, white all round: light that strays into it",
     "warm_up": "white again and again after switching on, with its minutes",

@@ -80,8 +80,8 @@ def rebuild(folder: Path, /, *, json: JsonFlag = False) -> None:
     """Make the data files of a dataset anew from its complete journals.
 
     A data file that is there is compared and never changed. Sessions that are not
-    finished are listed and left. The exit code is 2 if a data file differs from its
-    journal.
+    finished are listed and left, and so are journals that cannot be read. The exit
+    code is 2 if there is one of these, or a data file that differs from its journal.
 
     Examples:
 
@@ -101,19 +101,30 @@ def rebuild(folder: Path, /, *, json: JsonFlag = False) -> None:
     with _progress("Sessions") as on_session:
         sessions = rebuild_dataset(folder, on_session=on_session)
     differing = [one for one in sessions if one.outcome == "differs"]
+    unreadable = [one for one in sessions if one.outcome == "unreadable"]
     if json:
-        rows = [asdict(one) | {"journal": str(one.journal), "data": str(one.data)} for one in sessions]
+        rows = [
+            asdict(one) | {"journal": str(one.journal), "data": None if one.data is None else str(one.data)}
+            for one in sessions
+        ]
         print_json({"dataset": str(folder), "sessions": rows})
     else:
         words = {
             "made": "made",
             "same": "there already, the same",
             "differs": "DIFFERS from its journal and was left as it is",
+            "unreadable": "NOT READ",
         }
         for one in sessions:
             pilot = " (pilot)" if one.pilot else ""
             unfinished = f"not finished, {one.n_answered} of {one.n_trials} trials: no data file"
-            print(f"{one.name}{pilot}: {words.get(one.outcome, unfinished)}.")
+            problem = "" if one.problem is None else f" {one.problem}"
+            print(f"{one.name}{pilot}: {words.get(one.outcome, unfinished)}.{problem}")
+    if unreadable:
+        raise GlossError(
+            f"{len(unreadable)} of {len(sessions)} journals cannot be read, first '{unreadable[0].journal}': "
+            f"{unreadable[0].problem} All others were taken."
+        )
     if differing:
         raise GlossError(
             f"{len(differing)} data file{'s differ' if len(differing) > 1 else ' differs'} from the journal, first "
@@ -136,7 +147,8 @@ def export_bids(folder: Path, /, *, out: Path, json: JsonFlag = False) -> None:
     out
         Folder to make; it must not exist or be empty.
     """
-    from gloss_experiments.datasets.rebuild import journal_files, read_session
+    from gloss_experiments.datasets.journalled_session import read_session
+    from gloss_experiments.datasets.rebuild import journal_files
     from glossspace.dataset.bids import TaskTexts, export_bids
 
     texts = {}

@@ -58,7 +58,8 @@ def session(
     Parameters
     ----------
     protocol
-        A TOML file, or the name of a shipped protocol: pairwise, contrast, doi, ranking.
+        A TOML file, the name of a shipped protocol (pairwise, contrast, doi, ranking), or the journal of a session,
+        which goes on with the protocol that it began with.
     stimuli
         Folder of the stimulus set, as `gloss render` writes it.
     dataset
@@ -170,7 +171,8 @@ def _report_remarks(result: SessionResult) -> None:
     if result.torn:
         note("The last line of the journal was torn, as a kill leaves it: it was cut off, and its trial shown again.")
     if result.already_finished:
-        note("This session was finished already; nothing was changed.")
+        under = ", under another protocol than this one" if result.another_protocol else ""
+        note(f"This session was finished already{under}; nothing was changed.")
     if result.n_answered > result.n_before > 0:
         note(f"Resumed after {result.n_before} of {result.n_trials} trials.")
     if result.pilot:
@@ -202,6 +204,7 @@ def _document(result: SessionResult) -> dict[str, object]:
         "resumed_after": result.n_before,
         "finished": result.data_path is not None,
         "already_finished": result.already_finished,
+        "another_protocol": result.another_protocol,
         "simulated": result.simulated,
         "pilot": result.pilot,
         "mode": result.mode,

@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from gloss_experiments.datasets.rebuild import JournalledSession, dataset_folders, journal_files, read_session
+from gloss_experiments.datasets.journalled_session import JournalledSession, read_session
+from gloss_experiments.datasets.rebuild import dataset_folders, journal_files
 from gloss_experiments.datasets.session_check import place_problems, session_problems, session_remarks
 from gloss_experiments.session.journal import journal_path
 from glossspace.dataset import data_path, dataset_problems, read_simulated_observers, read_stimuli
@@ -76,7 +77,8 @@ def check_dataset(
     problems: list[str] = []
     remarks: list[str] = []
     for place in folders:
-        if place == folders[0] or data_files(place):
+        # Until a session is finished there is no description, and no data that could be wrong.
+        if data_files(place) or not n_journals:
             problems += dataset_problems(place)
         sessions = []
         for path in journals[place]:
@@ -98,7 +100,9 @@ def check_dataset(
         problems += _unjournalled_problems(place)
         remarks += _version_remarks(place, sessions)
         remarks += _count_remarks(place)
-    if not journals[folders[0]]:
+    if n_journals and not data_files(folders[0]):
+        remarks.append(f"'{folder}' holds no data yet: none of its sessions is finished.")
+    elif not journals[folders[0]]:
         remarks.append(f"'{folder}' holds no journals: its data were compared with no record of the sessions.")
     return DatasetCheck(
         problems=tuple(problems),

@@ -2,114 +2,19 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
-from pydantic import ValidationError
-
-from gloss_experiments.protocol import Protocol
-from gloss_experiments.session.journal_content import JournalContent, read_journal
-from gloss_experiments.session.trial_rows import trial_rows
-from glossspace.dataset import data_path, locked, record_simulated_observer, update_description
-from glossspace.dataset.schema import PILOTS_FOLDER, checked_label
-from glossspace.dataset.schema import PROCESS_COLUMNS as _LATER_COLUMNS
-from glossspace.dataset.write import Row, session_csv
+from gloss_experiments.datasets.journalled_session import JournalledSession, read_session
+from glossspace.dataset import locked, record_simulated_observer, record_stimuli, update_description
+from glossspace.dataset.schema import PILOTS_FOLDER
+from glossspace.dataset.table import data_files
 from glossspace.errors import GlossError
 from glossspace.files import write_text
 
-__all__ = ["JournalledSession", "RebuiltSession", "dataset_folders", "journal_files", "read_session", "rebuild_dataset"]
+__all__ = ["RebuiltSession", "dataset_folders", "journal_files", "rebuild_dataset"]
 
-Outcome = Literal["made", "same", "differs", "incomplete"]
-
-_HEADER = {
-    "participant": str,
-    "session": str,
-    "task": str,
-    "seed": int,
-    "n_trials": int,
-    "observer": dict,
-    "protocol": dict,
-    "protocol_sha256": str,
-}
-# Journals of the first version lack these.
-_LATER_HEADER = {"n_practice": int, "pilot": bool, "stimulus_sha256": dict}
-
-
-@dataclass(frozen=True)
-class JournalledSession:
-    """A session as its journal tells it: what the data file must be follows from this alone."""
-
-    journal: Path
-    content: JournalContent
-    header: dict[str, Any]
-    protocol: Protocol
-
-    @property
-    def participant(self) -> str:
-        """Identifier of the participant."""
-        return str(self.header["participant"])
-
-    @property
-    def session(self) -> str:
-        """Session of the participant."""
-        return str(self.header["session"])
-
-    @property
-    def task(self) -> str:
-        """Name of the protocol."""
-        return str(self.header["task"])
-
-    @property
-    def simulated(self) -> bool:
-        """Whether a program answered."""
-        return bool(self.header["observer"].get("kind") == "simulated")
-
-    @property
-    def pilot(self) -> bool:
-        """Whether it was a trial run."""
-        return bool(self.header.get("pilot", False))
-
-    @property
-    def n_wanted(self) -> int:
-        """How many trials the session has, those of practice included."""
-        return int(self.header["n_trials"]) + int(self.header.get("n_practice", 0))
-
-    @property
-    def complete(self) -> bool:
-        """Whether all its trials are answered."""
-        return len(self.content.answers) >= self.n_wanted
-
-    @cached_property
-    def name(self) -> str:
-        """How a message names it."""
-        return f"participant {self.participant}, session {self.session}, task {self.task}"
-
-    def data_path(self, folder: Path) -> Path:
-        """Where its data file stands in the dataset `folder`."""
-        return data_path(folder, participant=self.participant, session=self.session, task=self.task)
-
-    def data_text(self) -> str:
-        """Text of its data file."""
-        return self._text(trial_rows(self.content.answers, kind=self.protocol.kind, simulated=self.simulated))
-
-    def same_as(self, content: bytes) -> bool:
-        """Whether a data file is the one that its session wrote, by this version or by the first one."""
-        rows = trial_rows(self.content.answers, kind=self.protocol.kind, simulated=self.simulated)
-        # The first version knew nothing of how an answer came about, and its data files have no columns for it.
-        first = [{name: value for name, value in row.items() if name not in _LATER_COLUMNS} for row in rows]
-        return content in (self._text(rows).encode("utf-8"), self._text(first).encode("utf-8"))
-
-    def _text(self, rows: list[Row]) -> str:
-        return session_csv(
-            rows,
-            kind=self.protocol.kind,
-            participant=self.participant,
-            session=self.session,
-            task=self.task,
-            observer="simulated" if self.simulated else "human",
-            pilot=self.pilot,
-        )
+Outcome = Literal["made", "same", "differs", "incomplete", "unreadable"]
 
 
 @dataclass(frozen=True)
@@ -121,45 +26,23 @@ class RebuiltSession:
     outcome
         ``"made"``: it was absent and is there now. ``"same"``: it was there, with just this content. ``"differs"``: it
         is there with other content and was left as it is. ``"incomplete"``: the session is not finished.
+        ``"unreadable"``: its journal cannot be read, so that nothing of it was made.
+    data
+        Path of the data file; None where the journal is unreadable.
     n_answered, n_trials
         Trials answered, and trials of the session; those of practice included.
+    problem
+        Why the journal is unreadable; else None.
     """
 
     name: str
     journal: Path
-    data: Path
     outcome: Outcome
-    n_answered: int
-    n_trials: int
     pilot: bool
-
-
-def read_session(journal: Path) -> JournalledSession:
-    """Read the journal of a session.
-
-    Raises
-    ------
-    GlossError
-        It cannot be read, or its header lacks something or holds a protocol that cannot be.
-    """
-    content = read_journal(journal)
-    if content.header is None:
-        raise GlossError(f"The journal '{journal}' has no header: the session never began. Remove it.")
-    for key, kind in (_HEADER | _LATER_HEADER).items():
-        if not isinstance(content.header.get(key), kind) and (key in _HEADER or key in content.header):
-            raise GlossError(f"The header of the journal '{journal}' has no valid '{key}'. Restore it from a backup.")
-    for key in ("participant", "session", "task"):
-        checked_label(content.header[key], what=f"{key} in the header of '{journal}'")
-    try:
-        protocol = Protocol.model_validate(content.header["protocol"])
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        raise GlossError(
-            f"The protocol in the header of the journal '{journal}' cannot be read ({key}: {first['msg']}). "
-            "Use the version that wrote it, or restore it from a backup."
-        ) from None
-    return JournalledSession(journal, content, content.header, protocol)
+    data: Path | None = None
+    n_answered: int = 0
+    n_trials: int = 0
+    problem: str | None = None
 
 
 def journal_files(folder: Path) -> list[Path]:
@@ -186,8 +69,9 @@ def rebuild_dataset(
 ) -> tuple[RebuiltSession, ...]:
     """Make the data files of a dataset anew from its complete journals, and bring its other files up to date.
 
-    A data file that is there already is never changed: it is compared. The description is written anew, and simulated
-    observers that ``simulated_observers.json`` lacks are noted. Nothing can tell what ``stimuli.csv`` held.
+    A data file that is there already is never changed: it is compared. The description is written anew, and stimuli and
+    simulated observers that ``stimuli.csv`` and ``simulated_observers.json`` lack are noted. Journals of the first
+    version do not tell what the stimuli were. A journal that cannot be read is told of, and the others go on.
 
     Parameters
     ----------
@@ -204,7 +88,7 @@ def rebuild_dataset(
     Raises
     ------
     GlossError
-        The folder has no journal, or one cannot be read; nothing is written then.
+        The folder has no journal, or one of the dataset's own files cannot be read or written.
 
     Examples
     --------
@@ -212,16 +96,23 @@ def rebuild_dataset(
     ['same', 'made', 'incomplete']
     """
     folders = dataset_folders(Path(folder))
-    sessions = [(place, read_session(path)) for place in folders for path in journal_files(place)]
-    if not sessions:
+    journals = [(place, path) for place in folders for path in journal_files(place)]
+    if not journals:
         raise GlossError(f"'{folder}' holds no journal under 'journals', so nothing can be made from it.")
     rebuilt = []
-    for i, (place, session) in enumerate(sessions, start=1):
-        rebuilt.append(_rebuilt(place, session))
+    for i, (place, path) in enumerate(journals, start=1):
+        try:
+            session = read_session(path)
+        except GlossError as error:
+            pilot = place != folders[0]
+            rebuilt.append(RebuiltSession(path.stem, path, "unreadable", pilot, problem=str(error)))
+        else:
+            rebuilt.append(_rebuilt(place, session))
         if on_session is not None:
-            on_session(i, len(sessions))
-    for place in dict.fromkeys(place for place, _ in sessions):
-        update_description(place)
+            on_session(i, len(journals))
+    for place in dict.fromkeys(place for place, _ in journals):
+        if data_files(place):  # a dataset whose sessions are all unfinished has no description yet
+            update_description(place)
     return tuple(rebuilt)
 
 
@@ -238,6 +129,8 @@ def _rebuilt(folder: Path, session: JournalledSession) -> RebuiltSession:
     if session.simulated:
         parameters = {name: value for name, value in session.header["observer"].items() if name != "kind"}
         record_simulated_observer(folder, session.participant, parameters)
+    if session.paints:
+        record_stimuli(folder, session.paints, source=str(session.journal))
     return RebuiltSession(
         name=session.name,
         journal=session.journal,

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from gloss_experiments.datasets.rebuild import JournalledSession
+from gloss_experiments.datasets.journalled_session import JournalledSession
 from gloss_experiments.design import session_trials
 from gloss_experiments.session.journal import journal_path
 from gloss_experiments.session.provenance import images_sha256

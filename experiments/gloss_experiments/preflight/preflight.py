@@ -91,6 +91,7 @@ def check_screen(
     protocol: Protocol,
     stimulus_set: StimulusSet,
     *,
+    refresh_s: float | None,
     calibration: str | Path | StoredCalibration | None = None,
     override: str | None = None,
     now: datetime | None = None,
@@ -105,6 +106,8 @@ def check_screen(
         The session's PsychoPy window, before its first trial.
     protocol, stimulus_set
         Of the session.
+    refresh_s : float or None
+        Refresh period of the display in seconds, as `window.refresh_period_s` measures it.
     calibration : path or StoredCalibration, optional
         Of this screen, as `gloss calibrate` writes it.
     override : str, optional
@@ -126,9 +129,8 @@ def check_screen(
         raise GlossError("--override needs the reason why the session shall run all the same; the journal keeps it.")
     if calibration is not None and not isinstance(calibration, StoredCalibration):
         calibration = read_calibration(calibration)
-    judged = judge_screen(
-        screen_facts(window), protocol, stimulus_set, calibration=calibration, now=now or datetime.now(UTC)
-    )
+    facts = screen_facts(window, refresh_s=refresh_s)
+    judged = judge_screen(facts, protocol, stimulus_set, calibration=calibration, now=now or datetime.now(UTC))
     return replace(judged, override=None if override is None else override.strip())
 
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from gloss_experiments.calibration.screen_identity import connected_edid_sha256
 from gloss_experiments.preflight.gamma_table import GammaTable, monitor_gamma, read_gamma_table
-from gloss_experiments.window.window import refresh_period_s
 
 __all__ = ["ScreenFacts", "screen_facts"]
 
@@ -48,19 +47,26 @@ class ScreenFacts:
     edid_sha256: tuple[str, ...]
 
 
-def screen_facts(window: Any) -> ScreenFacts:
-    """Find out about the screen of an open PsychoPy window; shows up to four seconds of black."""
+def screen_facts(window: Any, *, refresh_s: float | None) -> ScreenFacts:
+    """Find out about the screen of an open PsychoPy window; shows 120 frames of black, except on a virtual display.
+
+    Parameters
+    ----------
+    window
+        Of PsychoPy.
+    refresh_s
+        Its measured refresh period in seconds; None on a virtual display, or where there is no steady rate.
+    """
     screen = window.winHandle.screen
-    period_s = refresh_period_s(window)
-    dropped = 0 if period_s is None else _dropped_frames(window, period_s)
+    dropped = 0 if refresh_s is None else _dropped_frames(window, refresh_s)
     return ScreenFacts(
         window_px=_pixels(window.size),
         framebuffer_px=_pixels(getattr(window, "frameBufferSize", window.size)),
         screen_px=(int(screen.width), int(screen.height)),
         monitor_gamma=monitor_gamma(window),
         gamma_table=read_gamma_table(window),
-        frame_rate_hz=None if period_s is None else 1 / period_s,
-        n_frames=0 if period_s is None else _N_FRAMES,
+        frame_rate_hz=None if refresh_s is None else 1 / refresh_s,
+        n_frames=0 if refresh_s is None else _N_FRAMES,
         n_dropped=dropped,
         edid_sha256=connected_edid_sha256(),
     )

@@ -29,7 +29,8 @@ _FIXED = {
     "participant": "this is another participant's session",
     "session": "this is another session",
     "seed": "give the seed the session began with, or none",
-    "protocol_sha256": "the protocol was changed; go back to the one the session began with",
+    "protocol_sha256": "the protocol was changed; to go on with the one the session began with, give its journal in "
+    "place of the protocol: gloss session '{journal}' with the same options",
     "stimuli_sha256": "the images were changed; go back to the stimulus set the session began with",
     "observer": "an observer cannot change within a session",
 }
@@ -142,7 +143,7 @@ class Journal:
             if begun.get(key) != wanted.get(key):
                 raise GlossError(
                     f"The session in '{self.path}' was begun with {key} {_short(begun.get(key))}, "
-                    f"but {_short(wanted.get(key))} is asked for: {advice}, {_WAY_OUT}."
+                    f"but {_short(wanted.get(key))} is asked for: {advice.format(journal=self.path)}, {_WAY_OUT}."
                 )
 
     def append(self, answer: Answer, *, mode: str) -> None:

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import isfinite
 from pathlib import Path
 from typing import Any, get_args
 
@@ -87,7 +88,7 @@ def _take(read: JournalContent, line: dict[str, Any], number: int) -> None:
             )
         read.header = line
     elif line["type"] == "trial":
-        trial = Trial(line["trial"], line["block"], line["repeat"], tuple(line["stimuli"]), _role_in(line))
+        trial = Trial(line["trial"], line["block"], line["repeat"], _stimuli_in(line), _role_in(line))
         # Practice trials have numbers of their own, and come first.
         before = sum((answer.trial.role == "practice") == (trial.role == "practice") for answer in read.answers)
         if trial.number != before + 1:
@@ -95,6 +96,13 @@ def _take(read: JournalContent, line: dict[str, Any], number: int) -> None:
         read.answers.append(_answer_in(line, trial))
     elif line["type"] == "finished":
         read.finished = True
+
+
+def _stimuli_in(line: Mapping[str, Any]) -> tuple[str, ...]:
+    stimuli = line["stimuli"]
+    if not isinstance(stimuli, list) or not stimuli or not all(isinstance(name, str) for name in stimuli):
+        raise ValueError(f"the stimuli {stimuli!r} are no list of names")
+    return tuple(stimuli)
 
 
 def _role_in(line: Mapping[str, Any]) -> Role:
@@ -106,12 +114,32 @@ def _role_in(line: Mapping[str, Any]) -> Role:
 
 def _answer_in(line: Mapping[str, Any], trial: Trial) -> Answer:
     order, trace, timed_out = line.get("order"), line.get("trace"), line.get("timed_out", False)
+    if not isinstance(timed_out, bool):
+        raise ValueError(f"timed_out {timed_out!r} is neither true nor false")
     without_rating = line["rating"] is None and (timed_out or order is not None)
     return Answer(
         trial,
         rating=None if without_rating else checked_rating(line["rating"]),
-        response_time_s=line["response_time_s"],
+        response_time_s=_time_in(line),
         order=None if order is None else checked_order(order, trial),
-        trace=None if trace is None else Trace(**trace),
+        trace=None if trace is None else _trace_in(trace),
         timed_out=timed_out,
     )
+
+
+def _time_in(line: Mapping[str, Any]) -> float | None:
+    time_s: float | None = line["response_time_s"]
+    if time_s is not None and not (_is_number(time_s) and time_s >= 0):
+        raise ValueError(f"the response time {time_s!r} is no time from 0")
+    return time_s
+
+
+def _trace_in(values: Mapping[str, Any]) -> Trace:
+    for name, value in values.items():
+        if value is not None and not _is_number(value):
+            raise ValueError(f"{name} {value!r} is no number")
+    return Trace(**values)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)

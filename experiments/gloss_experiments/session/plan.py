@@ -99,6 +99,11 @@ class SessionPlan:
             "image_angle_deg": self.image_angle_deg(),
             "stimulus_set": self.stimulus_set.name,
             "stimulus_sha256": self.image_hashes,
+            "paints": {
+                stimulus.name: {"rho_d": stimulus.rho_d, "rho_s": stimulus.rho_s, "alpha": stimulus.alpha}
+                for stimulus in self.stimulus_set.stimuli
+                if stimulus.name in self.images
+            },
             "protocol": self.protocol.model_dump(mode="json"),
         }
 
@@ -143,7 +148,7 @@ def plan_session(
     elif isinstance(observer, SimulatedObserver):
         simulated = observer
     else:
-        simulated = observer_named(participant, seed=seed, kind=observer or "metric")
+        simulated = observer_named(participant, seed=seed, kind="metric" if observer is None else observer)
     return SessionPlan(
         protocol=protocol,
         stimulus_set=stimulus_set,
@@ -180,9 +185,16 @@ def _names(stimulus_set: StimulusSet) -> list[str]:
 def _seed_begun_with(path: Path, protocol: Protocol) -> int:
     if path.exists():
         with Journal(path) as journal:
-            return int(journal.header["seed"]) if journal.header else 0
+            return _seed_in(journal.header, path) if journal.header else 0
     others = _headers_of_other_parts(path, protocol)
-    return int(next(iter(others.values()))["seed"]) if others else 0
+    return next((_seed_in(header, other) for other, header in others.items()), 0)
+
+
+def _seed_in(header: dict[str, Any], path: Path) -> int:
+    seed = header.get("seed")
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise GlossError(f"The header of the journal '{path}' has no valid 'seed'. Restore it from a backup.")
+    return seed
 
 
 def _headers_of_other_parts(path: Path, protocol: Protocol) -> dict[Path, dict[str, Any]]:

@@ -12,15 +12,10 @@ from gloss_experiments.session.drive import Mode, drive, open_presenter
 from gloss_experiments.session.journal import Journal
 from gloss_experiments.session.plan import SessionPlan, check_beginning, plan_session
 from gloss_experiments.session.provenance import circumstances
-from gloss_experiments.session.state import Answer, Phase, SessionState, start_session
+from gloss_experiments.session.publishing import complete
+from gloss_experiments.session.state import Phase, SessionState, start_session
 from gloss_experiments.session.summary import SessionSummary, summarise, summary_lines
-from gloss_experiments.session.trial_rows import trial_rows
-from glossspace.dataset import (
-    record_simulated_observer,
-    record_stimuli,
-    update_description,
-    write_session_data,
-)
+from glossspace.dataset import record_simulated_observer, record_stimuli
 from glossspace.errors import GlossError
 from glossspace.stimulus_set import StimulusSet
 
@@ -50,6 +45,8 @@ class SessionResult:
         Whether it was a trial run, whose data are kept apart.
     already_finished
         Whether there was nothing left to do.
+    another_protocol
+        Whether it was finished under another protocol than the one that is asked for now.
     torn
         Whether the last line of the journal was torn by a kill and its trial shown again.
     image_angle_deg
@@ -70,6 +67,7 @@ class SessionResult:
     summary: SessionSummary
     pilot: bool = False
     already_finished: bool = False
+    another_protocol: bool = False
     torn: bool = False
     image_angle_deg: float | None = None
 
@@ -158,6 +156,8 @@ def run_session(
         pilot=pilot,
     )
     with Journal(plan.journal) as journal:
+        if journal.header is not None and journal.finished and plan.data.exists():
+            return _finished_already(plan, journal, journal.header)
         if journal.header is not None:
             journal.check(plan.fixed())
             journal.check_order(plan.trials)
@@ -168,32 +168,57 @@ def run_session(
             preview=design.preview,
             break_every=design.break_every,
         )
-        already_finished = state.phase is Phase.DONE and plan.data.exists()
         goes_on = state.n_answered == 0 or on_resume is None or on_resume(*state.progress)
         if state.phase is not Phase.DONE and goes_on:
             check = _ScreenCheck(calibration, override, on_preflight)
             state = _run(plan, journal, state, check, on_trial)
         elif state.phase is Phase.DONE:
-            _complete(plan, journal)
+            complete(plan, journal)
         n_answered, n_trials = state.progress
-        return SessionResult(
-            participant_id=plan.participant,
-            session=plan.session,
-            task=plan.protocol.name,
+        return _result(
+            plan,
+            journal,
             data_path=plan.data if state.phase is Phase.DONE else None,
-            journal_path=plan.journal,
             n_trials=n_trials,
             n_answered=n_answered,
             n_before=before.progress[0],
-            simulated=plan.observer is not None,
-            mode=mode,
-            seed=plan.seed,
-            summary=summarise(journal.answers),
-            pilot=pilot,
-            already_finished=already_finished,
-            torn=journal.torn,
-            image_angle_deg=plan.image_angle_deg(),
         )
+
+
+def _finished_already(plan: SessionPlan, journal: Journal, header: dict[str, Any]) -> SessionResult:
+    """Nothing is left to do, so that a protocol that has changed since does no harm."""
+    wanted = plan.fixed()
+    begun_with = header.get("protocol_sha256")
+    journal.check({**wanted, "protocol_sha256": begun_with})
+    complete(plan, journal)
+    n_judged = sum(answer.trial.role != "practice" for answer in journal.answers)
+    return _result(
+        plan,
+        journal,
+        data_path=plan.data,
+        n_trials=n_judged,
+        n_answered=n_judged,
+        n_before=n_judged,
+        already_finished=True,
+        another_protocol=begun_with != wanted["protocol_sha256"],
+    )
+
+
+def _result(plan: SessionPlan, journal: Journal, **found: Any) -> SessionResult:
+    return SessionResult(
+        participant_id=plan.participant,
+        session=plan.session,
+        task=plan.protocol.name,
+        journal_path=plan.journal,
+        simulated=plan.observer is not None,
+        mode=plan.mode,
+        seed=plan.seed,
+        summary=summarise(journal.answers),
+        pilot=plan.pilot,
+        torn=journal.torn,
+        image_angle_deg=plan.image_angle_deg(),
+        **found,
+    )
 
 
 @dataclass(frozen=True)
@@ -212,7 +237,12 @@ class _ScreenCheck:
         from gloss_experiments.preflight.preflight import check_screen
 
         preflight = check_screen(
-            presenter.window, plan.protocol, plan.stimulus_set, calibration=self.calibration, override=self.override
+            presenter.window,
+            plan.protocol,
+            plan.stimulus_set,
+            refresh_s=presenter.refresh_s,
+            calibration=self.calibration,
+            override=self.override,
         )
         if self.on_preflight is not None:
             self.on_preflight(preflight)
@@ -239,7 +269,7 @@ def _run(
         if journal.header is not None:
             journal.note("resumed", torn=journal.torn, **now)
         else:
-            record_stimuli(plan.dataset, plan.stimulus_set)
+            record_stimuli(plan.dataset, plan.stimulus_set.stimuli, source=str(plan.stimulus_set.folder))
             if plan.observer is not None:
                 # Before the header: whenever a kill comes, no simulated answer is without its name in this list.
                 record_simulated_observer(plan.dataset, plan.participant, plan.observer.parameters())
@@ -247,34 +277,6 @@ def _run(
         state = drive(state, presenter, journal, mode=plan.mode, on_trial=on_trial)
         if state.phase is Phase.DONE:
             # The data come before the thanks: nobody knows how long those stand there, or how they end.
-            _complete(plan, journal)
+            complete(plan, journal)
             presenter.finish(state, summary_lines(summarise(journal.answers)))
         return state
-
-
-def _complete(plan: SessionPlan, journal: Journal) -> None:
-    journal.finish()
-    try:
-        _write_data(plan, journal.answers)
-    except GlossError as error:
-        raise GlossError(
-            f"{error} The {len(journal.answers)} answers are safe in the journal '{plan.journal}': once this is put "
-            "right, the same command writes the data file."
-        ) from None
-
-
-def _write_data(plan: SessionPlan, answers: list[Answer]) -> None:
-    if plan.data.exists():
-        update_description(plan.dataset)  # a kill may have come between the data file and its description
-        return
-    simulated = plan.observer is not None
-    write_session_data(
-        plan.dataset,
-        trial_rows(answers, kind=plan.protocol.kind, simulated=simulated),
-        kind=plan.protocol.kind,
-        participant=plan.participant,
-        session=plan.session,
-        task=plan.protocol.name,
-        observer="simulated" if simulated else "human",
-        pilot=plan.pilot,
-    )

@@ -40,6 +40,14 @@ class MessageScreen:
         self._countdown = stage.text("", (0, line))
         self._texts = texts
         self._rest_until_s: float | None = None
+        self._refuse_what_does_not_fit()
+
+    def _refuse_what_does_not_fit(self) -> None:
+        texts = self._texts
+        for key in ("practice_done", "pause", "time_up", "quit_question", "finished", "instructions"):
+            text = getattr(texts, key)
+            self._message.text = f"{text}\n\n{texts.start}" if key == "instructions" else text
+            self._stage.refuse_overflow(self._message, f"texts.{key}")
 
     def event(self, state: SessionState) -> Event | None:
         """Show what `state` says until the observer goes on; None to stop the session here."""

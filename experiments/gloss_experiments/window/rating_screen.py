@@ -96,6 +96,10 @@ class RatingScreen:
         self._question = stage.text(protocol.texts.question, layout.question)
         labels = (protocol.slider.low_label, protocol.slider.high_label)
         self._labels = [stage.text(text, place) for text, place in zip(labels, layout.labels, strict=True)]
+        for text, key in zip(
+            (self._question, *self._labels), ("texts.question", "slider.low_label", "slider.high_label"), strict=True
+        ):
+            stage.refuse_overflow(text, key)
         self._readout = stage.text("", layout.readout)
         self._button = Button(stage, protocol.texts.confirm, layout.button, size=layout.button_size)
         top = (0, stage.size[1] // 2 - stage.line_px)

@@ -97,6 +97,11 @@ class Screen:
         """PsychoPy's window."""
         return self._stage.window
 
+    @property
+    def refresh_s(self) -> float | None:
+        """Measured refresh period of the display, in seconds; None where it is virtual or not steady."""
+        return self._stage.frames.refresh_s
+
     def next_event(self, state: SessionState) -> Event | None:
         """Show `state`, frame by frame, until the observer does something; None when Escape ends the session."""
         if state.phase is Phase.PREVIEW and self._preview is not None:

@@ -12,6 +12,7 @@ from gloss_experiments.window.frames import FrameRecorder
 from gloss_experiments.window.pointer import LeftButton, Pointer, ScriptedPointer
 from gloss_experiments.window.trial_clock import TrialClock
 from gloss_experiments.window.window import own_fonts
+from glossspace.errors import GlossError
 
 __all__ = ["BUTTON_GRAY", "FAINT_GRAY", "LINE_GRAY", "MARKER_GRAY", "TEXT_GRAY", "Stage"]
 
@@ -95,6 +96,25 @@ class Stage:
             wrapWidth=0.8 * self.size[0],
         )
 
+    def refuse_overflow(self, text: Any, key: str) -> None:
+        """Refuse a centred text that goes beyond the window.
+
+        Raises
+        ------
+        GlossError
+            It does; `key` names it in the protocol.
+        """
+        over = [
+            abs(place) + extent / 2 > size / 2
+            for place, extent, size in zip(text.pos, text.boundingBox, self.size, strict=True)
+        ]
+        if any(over):
+            width, height = self.size
+            raise GlossError(
+                f"{key} does not fit into the window of {width} x {height} pixels: '{_beginning(text.text)}'. "
+                "Shorten it, or lower texts.size_px."
+            )
+
     def picture(self, image: Path | Image.Image) -> Any:
         """An image at its own size: about a whole pixel it is shown pixel for pixel. Its `pos` says where."""
         from psychopy import visual
@@ -157,3 +177,8 @@ class Stage:
         self.window.movieFrames = []
         self.window.getMovieFrame(buffer="back")
         return np.asarray(self.window.movieFrames.pop().convert("RGB"))
+
+
+def _beginning(text: str) -> str:
+    line = " ".join(text.split())
+    return line if len(line) <= 40 else line[:39] + "…"

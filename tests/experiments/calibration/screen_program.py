@@ -21,7 +21,7 @@ from gloss_experiments import read_protocol
 from gloss_experiments.calibration import Pace, Patch, standard_patches
 from gloss_experiments.calibration.patch_window import AimedPhotometer, ManualPhotometer, open_patch_window
 from gloss_experiments.preflight.preflight import check_screen
-from gloss_experiments.window.window import open_window
+from gloss_experiments.window.window import open_window, refresh_period_s
 from glossspace.stimulus_set import read_stimulus_set
 
 PAIRWISE = read_protocol("pairwise")
@@ -29,7 +29,8 @@ WINDOWED = PAIRWISE.model_copy(update={"display": PAIRWISE.display.model_copy(up
 
 
 def checked(window, stimuli):
-    found = check_screen(window, WINDOWED, read_stimulus_set(stimuli), now=datetime(2026, 1, 1, tzinfo=UTC))
+    now = datetime(2026, 1, 1, tzinfo=UTC)
+    found = check_screen(window, WINDOWED, read_stimulus_set(stimuli), refresh_s=refresh_period_s(window), now=now)
     return {
         "rows": {row.name: [row.found, row.verdict] for row in found.rows},
         "problems": [row.name for row in found.problems],

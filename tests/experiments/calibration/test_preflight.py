@@ -254,16 +254,21 @@ def test_what_psychopy_corrects():
 
 
 def test_the_check_of_a_window(stored, monkeypatch):
-    monkeypatch.setattr("gloss_experiments.preflight.screen_facts.refresh_period_s", lambda window: None)
     monkeypatch.setattr("gloss_experiments.preflight.screen_facts.connected_edid_sha256", lambda: ())
     calibration = stored()
     window = Window(IDENTITY.values ** (1 / 2.2))
-    found = check_screen(window, PAIRWISE, images(), calibration=calibration.path, now=NOW)
+    found = check_screen(window, PAIRWISE, images(), refresh_s=None, calibration=calibration.path, now=NOW)
     assert [row.name for row in found.problems] == ["video card's gamma table"]
     with pytest.raises(GlossError, match="--override"):
         found.require()
     overridden = check_screen(
-        window, PAIRWISE, images(), calibration=calibration, override=" the dimmer is broken ", now=NOW
+        window,
+        PAIRWISE,
+        images(),
+        refresh_s=None,
+        calibration=calibration,
+        override=" the dimmer is broken ",
+        now=NOW,
     )
     overridden.require()
     kept = json.loads(json.dumps(overridden.to_dict(), allow_nan=False))
@@ -273,6 +278,6 @@ def test_the_check_of_a_window(stored, monkeypatch):
     assert overridden.table().splitlines()[-1] == "Overridden: the dimmer is broken"
     assert "REFUSED" in found.table()
     with pytest.raises(GlossError, match="needs the reason"):
-        check_screen(window, PAIRWISE, images(), override=" ")
+        check_screen(window, PAIRWISE, images(), refresh_s=None, override=" ")
     with pytest.raises(GlossError, match="No screen calibration"):
-        check_screen(window, PAIRWISE, images(), calibration="no.json")
+        check_screen(window, PAIRWISE, images(), refresh_s=None, calibration="no.json")
