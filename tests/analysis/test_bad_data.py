@@ -297,6 +297,17 @@ def test_nobody_judged_anything():
     assert judgement_remarks(named(np.full((2, 15), np.nan), 6)) == ()
 
 
+def test_huge_judgements_are_remarked_on_like_others():
+    pairs = judged()
+    pairs["dissimilarity"] = pairs["dissimilarity"].astype(float)
+    pairs.loc[of(pairs, "p1") & (pairs["stimulus_a"] == pairs["stimulus_b"]), "dissimilarity"] = 25
+    (remark,) = judgement_remarks(from_table(pairs), pairs)
+    huge = pairs.assign(dissimilarity=pairs["dissimilarity"] * 1e306)  # whose sum is more than a number can hold
+    (said,) = judgement_remarks(from_table(huge), huge)
+    assert "p1 (25, different ones" in remark
+    assert "p1 (2.5e+307, different ones" in said
+
+
 def test_noise_makes_no_remark():
     # Twenty clean studies of three participants, of other ratios and noise, whose slider cannot go below 0.
     for seed in range(20):

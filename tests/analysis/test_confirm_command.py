@@ -83,6 +83,9 @@ def test_mistakes(refused, pairs, axes, ratings, tmp_path):
     confirm = ["confirm", pairs, "--coordinates", axes]
     assert "Leave it out, or --unconditional" in refused(*confirm, "--indscal", 9, "--unconditional")
     assert "Invalid --indscal -1. Allowed: 0 to 1,000,000" in refused(*confirm, "--indscal=-1")
+    huge = tmp_path / "huge.csv"
+    huge.write_text("stimulus,c,d\n" + "".join(f"{name},{k + 1}e300,{k % 3}\n" for k, name in enumerate(STIMULI)))
+    assert "the coordinates on the axis 'c' differ by 7e+300" in refused(*confirm[:2], "--coordinates", huge)
     assert "No rating table at" in refused(*confirm, "--magnitudes", tmp_path / "nowhere.csv")
     assert "is no dataset" in refused(*confirm, "--magnitudes", tmp_path)
     ratings.write_text(ratings.read_text().replace(",c,", ",x,"))

@@ -300,6 +300,16 @@ def test_what_cannot_be_compared_is_refused(hypotheses, message):
         compare_hypotheses(hypotheses, CONTRAST, rated_by(HYPOTHESES_C[2], participants=1))
 
 
+def test_one_stimulus_of_the_largest_alpha_makes_a_pair_with_the_next_largest(pairs):
+    """A design where alpha is finely graded has no two stimuli of the largest."""
+    largest = STIMULI["alpha"].max()
+    graded = STIMULI.copy()
+    graded.loc[graded.index[graded["alpha"] == largest][0], "alpha"] += 0.01
+    found = confirm_hypotheses([HYPOTHESES_C[2]], graded, pairs)
+    # One stimulus of .11 and eight of .10: those that reach .10 are nine.
+    assert found["n_pairs_large_alpha"].tolist() == [36]
+
+
 def test_unknown_stimuli_and_too_few_of_large_alpha_are_refused(pairs):
     with pytest.raises(GlossError, match="The stimulus 's3' was judged, but is not in the table"):
         confirm_hypotheses(HYPOTHESES_C, STIMULI.drop(index=3), pairs)

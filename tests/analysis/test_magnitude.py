@@ -179,7 +179,11 @@ def test_polynomials_find_curvature_where_there_is_some():
 
 @pytest.mark.parametrize(
     ("x", "message"),
-    [([1, 1, 2, 2], "3 different positions along the axis, but got 2"), ([1, 2, np.nan, 4], "needs finite")],
+    [
+        ([1, 1, 2, 2], "3 different positions along the axis, but got 2"),
+        ([1, 2, np.nan, 4], "needs finite"),
+        ([1e-310, 2e-310, 3e-310, 4e-310], "differ by 3e-310"),
+    ],
 )
 def test_what_cannot_be_regressed_is_refused(x, message):
     with pytest.raises(GlossError, match=message):

@@ -67,6 +67,8 @@ def test_stimuli_that_do_not_tell_the_axis(names, why):
         ("1,10", "1,ten", "line 2: rating 'ten' is not allowed"),
         ("1,10", "1,inf", "line 2: rating 'inf' is not allowed"),
         ("1,10", "1,nan", "line 2: rating 'nan' is not allowed"),
+        ("1,10", "1,1e308", "line 2: rating '1e308' is not allowed. Allowed: 0, a number from 1e-100 to 1e+100"),
+        ("1,10", "1,1e-310", "line 2: rating '1e-310' is not allowed"),
         ("x,2", "x,1", "line 4: repeat 1 of 'x' by participant 01 is there already"),
         ("x,2", "x,0", "line 4: repeat '0' is not allowed. Allowed: a whole number from 1"),
         ("x,2", "x,1.5", "line 4: repeat '1.5' is not allowed"),

@@ -32,6 +32,8 @@ __all__ = ["confirm"]
 
 # Permutations: more would not end.
 _MOST = 1_000_000
+# Squares of larger coordinates, and of smaller than their inverse, come near what a number can hold.
+_LARGEST = 1e100
 
 
 def confirm(
@@ -227,4 +229,11 @@ def _coordinates(path: Path, stimuli: tuple[str, ...]) -> tuple[tuple[str, ...],
             f"'{path}', line {table.index[row]}: the coordinate {axes[column]} of {table['stimulus'].iloc[row]!r} is "
             f"{found!r}. Allowed: a finite number; remove columns that are no axes."
         )
+    extent = np.ptp(values / 2, axis=0) * 2
+    for name, size in zip(axes, extent, strict=True):
+        if size and not 1 / _LARGEST <= size <= _LARGEST:
+            raise GlossError(
+                f"'{path}': the coordinates on the axis {name!r} differ by {size:g}. Allowed: {1 / _LARGEST:g} to "
+                f"{_LARGEST:g}. Choose another unit, which changes nothing else."
+            )
     return axes, values[[table["stimulus"].tolist().index(name) for name in stimuli]]

@@ -119,7 +119,7 @@ def hypotheses(
         A file for a picture: ratings over each hypothesis, and the stress of each.
     """
     from gloss_analysis.figures.hypotheses import hypotheses_in_words, hypotheses_table
-    from gloss_analysis.hypotheses.candidates import HYPOTHESES
+    from gloss_analysis.hypotheses.candidates import HYPOTHESES, with_values
     from gloss_analysis.hypotheses.comparison import compare_hypotheses, confirm_hypotheses
     from gloss_analysis.hypotheses.expressions import hypothesis_from
 
@@ -139,7 +139,8 @@ def hypotheses(
         given = _from_dataset(dataset, stimuli or [], axis)
     else:
         given = _from_tables(pairs, magnitudes, stimuli or [], axis)
-    known, skipped = _with_values(HYPOTHESES[axis], given)
+    judged = given.stimuli["stimulus"].isin(given.stimuli_judged)
+    known, skipped = with_values(HYPOTHESES[axis], given.stimuli[judged])
     tested = [*known, *typed]
     compared = None if given.ratings is None else compare_hypotheses(tested, given.stimuli, given.ratings)
     confirmed = None
@@ -236,19 +237,6 @@ def _from_tables(pairs: Path | None, magnitudes: Path | None, stimuli: list[Path
         )
     simulated = [] if pairs is None or judged is None else simulated_of(pairs, judged.participants)
     return _Judgements(known, judged, ratings.get(axis), simulated, table, axis)
-
-
-def _with_values(known: "tuple[Hypothesis, ...]", given: _Judgements) -> "tuple[list[Hypothesis], dict[str, str]]":
-    """Those that have a value for every judged stimulus, and why the others have not."""
-    rows = given.stimuli[given.stimuli["stimulus"].isin(given.stimuli_judged)]
-    usable, skipped = [], {}
-    for hypothesis in known:
-        try:
-            hypothesis.values(rows)
-            usable.append(hypothesis)
-        except GlossError as error:
-            skipped[hypothesis.name] = str(error)
-    return usable, skipped
 
 
 def _records(table: pd.DataFrame | None) -> list[dict[str, Any]] | None:

@@ -1,4 +1,4 @@
-"""Weights of given axes that fit judgements best: the search behind `confirmatory`."""
+"""Weights of given axes that fit judgements best: the search behind `scaling`."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

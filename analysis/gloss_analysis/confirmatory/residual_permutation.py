@@ -1,6 +1,6 @@
 """Judgements for which a given metric is true: residuals from each participant's own response curve, permuted.
 
-The null that `orthogonality` and `confirmatory_indscal` compare with. A participant's judgements are regressed
+The null that `orthogonality` and `indscal` compare with. A participant's judgements are regressed
 monotonely on the distances that the metric predicts: a response curve of his own, such as a slider compresses. What is
 left are residuals, which are permuted among pairs of neighbouring predicted distance and added to the curve again.
 """

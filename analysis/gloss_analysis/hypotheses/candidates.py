@@ -5,7 +5,7 @@ poorly, the difference of their lightness well but not the pairs with large alph
 distinctness of image it tested one; others that the field uses stand beside it here.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -16,7 +16,16 @@ from numpy.typing import ArrayLike
 from glossspace.errors import GlossError
 from glossspace.metric import contrast_gloss, distinctness
 
-__all__ = ["HYPOTHESES", "HYPOTHESES_C", "HYPOTHESES_D", "HYPOTHESIS_C", "HYPOTHESIS_D", "Axis", "Hypothesis"]
+__all__ = [
+    "HYPOTHESES",
+    "HYPOTHESES_C",
+    "HYPOTHESES_D",
+    "HYPOTHESIS_C",
+    "HYPOTHESIS_D",
+    "Axis",
+    "Hypothesis",
+    "with_values",
+]
 
 Axis: TypeAlias = Literal["c", "d"]
 
@@ -118,3 +127,24 @@ space of the two for contrast gloss.
 
 HYPOTHESES: dict[Axis, tuple[Hypothesis, ...]] = {"c": HYPOTHESES_C, "d": HYPOTHESES_D}
 """What is known for each axis."""
+
+
+def with_values(hypotheses: Sequence[Hypothesis], stimuli: pd.DataFrame) -> tuple[list[Hypothesis], dict[str, str]]:
+    """Those hypotheses that have a value for every stimulus, and why each of the others has not.
+
+    Examples
+    --------
+    >>> known, skipped = with_values(HYPOTHESES_D, pd.DataFrame({"stimulus": ["a", "b"], "alpha": [0.04, 0.1]}))
+    >>> [hypothesis.name for hypothesis in known]
+    ['1 - alpha', '1 - sqrt(alpha)', '-log(alpha)', '1/alpha']
+    >>> list(skipped)
+    ['edge width']
+    """
+    usable, skipped = [], {}
+    for hypothesis in hypotheses:
+        try:
+            hypothesis.values(stimuli)
+            usable.append(hypothesis)
+        except GlossError as error:
+            skipped[hypothesis.name] = str(error)
+    return usable, skipped

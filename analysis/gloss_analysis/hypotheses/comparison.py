@@ -130,7 +130,7 @@ def confirm_hypotheses(
     level, ties
         See `gloss_analysis.mds.scale`.
     alpha_from : float, optional
-        Alpha from which on it counts as large; the largest of the stimuli by default.
+        Alpha from which on it counts as large; by default the largest that two of the stimuli reach.
 
     Returns
     -------
@@ -148,7 +148,7 @@ def confirm_hypotheses(
     ------
     GlossError
         No hypothesis, several of one name, or about different axes; stimuli that are judged but not known; fewer than
-        two stimuli of large alpha; or coordinates that cannot be fitted, see `confirm_axes`.
+        two stimuli of the given `alpha_from`; or coordinates that cannot be fitted, see `confirm_axes`.
 
     Notes
     -----
@@ -208,7 +208,7 @@ def _of_large_alpha(known: pd.DataFrame, alpha_from: float | None) -> np.ndarray
     if "alpha" not in known:
         raise GlossError("The stimuli have no column alpha, which tells the pairs of large alpha from the others.")
     alpha = known["alpha"].to_numpy(dtype=float)
-    large = alpha >= (alpha.max() if alpha_from is None else alpha_from)
+    large = alpha >= (np.sort(alpha)[-2] if alpha_from is None else alpha_from)
     if large.sum() < 2:
         raise GlossError(
             f"{large.sum()} of the judged stimuli have a large alpha, but a pair needs two. Give `alpha_from`, up to "

@@ -128,8 +128,12 @@ def _reversed(data: Dissimilarities) -> list[str]:
 def _identical(judgements: pd.DataFrame | None) -> list[str]:
     if judgements is None:
         return []
+    # In units of the largest, so that no sum overflows whatever the scale.
+    values = pd.to_numeric(judgements["dissimilarity"], errors="coerce")
+    unit = values.max() if values.max() > 0 else 1.0
+    judgements = judgements.assign(dissimilarity=values / unit)
     different = judgements[judgements["stimulus_a"].astype(str) != judgements["stimulus_b"].astype(str)]
-    values = pd.to_numeric(different["dissimilarity"], errors="coerce")
+    values = different["dissimilarity"]
     own = values.groupby(different["participant_id"].astype(str))
     means, varied = own.mean(), own.max() > own.min()
     high: list[str] = []
@@ -138,7 +142,7 @@ def _identical(judgements: pd.DataFrame | None) -> list[str]:
         usual = float(means.get(one.participant_id, np.nan))
         # Who gave everything the same judgement is remarked on by the scaling itself.
         if one.n_identical and varied.get(one.participant_id, False) and one.identical_mean > _NOT_NEAR_ZERO * usual:
-            said = f"{one.participant_id} ({one.identical_mean:.3g}, different ones {usual:.3g})"
+            said = f"{one.participant_id} ({one.identical_mean * unit:.3g}, different ones {usual * unit:.3g})"
             (turned if one.identical_mean > usual else high).append(said)
     remarks = []
     if high:

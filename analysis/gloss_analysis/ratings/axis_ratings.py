@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from gloss_analysis.ratings.rating_table import LARGEST_RATING
 from glossspace.dataset import read_magnitudes, tasks_of
 from glossspace.errors import GlossError
 from glossspace.user_table import read_user_table
@@ -79,11 +80,13 @@ def _studies(path: Path) -> list[tuple[str, pd.DataFrame]]:
         if nameless.any():
             raise GlossError(f"'{path}', line {table.index[nameless][0]}: the {column} is empty. Fill the cell.")
     values = pd.to_numeric(table["rating"], errors="coerce")
-    wrong = (table["rating"].notna() & ~(np.isfinite(values) & (values >= 0))).to_numpy()
+    usable = (values == 0) | ((values >= 1 / LARGEST_RATING) & (values <= LARGEST_RATING))
+    wrong = (table["rating"].notna() & ~usable).to_numpy()
     if wrong.any():
         raise GlossError(
             f"'{path}', line {table.index[wrong][0]}: rating {table['rating'][wrong].iloc[0]!r} is not allowed. "
-            "Allowed: a finite number >= 0, or an empty cell for a trial that was not judged."
+            f"Allowed: 0, a number from {1 / LARGEST_RATING:g} to {LARGEST_RATING:g}, or an empty "
+            "cell for a trial that was not judged."
         )
     judged = values.notna()
     if not judged.any():

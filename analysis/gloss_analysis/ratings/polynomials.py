@@ -18,6 +18,8 @@ __all__ = ["AxisRegression", "PolynomialFit", "aicc", "fit_polynomials", "polyno
 
 # The gloss paper's limit (3.3.4): "Polynomial fits only increased r2 by less than 0.01".
 _LINEAR_GAIN = 0.01
+# Extents of an axis beyond this, and below its inverse, are slips of the unit: squares would overflow.
+_LARGEST = 1e100
 # A stimulus that the fit passes through by construction has leverage 1 but for rounding: leaving it out leaves its
 # coefficient unknown.
 _FULL_LEVERAGE = 1 - 1e-9
@@ -89,7 +91,7 @@ def regress_ratings(coordinate: np.ndarray, rating: np.ndarray) -> AxisRegressio
     Raises
     ------
     GlossError
-        Too few positions, values that are not finite, or all ratings the same.
+        Too few positions, or positions that hardly differ; values that are not finite, or all ratings the same.
     """
     coordinate, rating = np.asarray(coordinate, dtype=float), np.asarray(rating, dtype=float)
     positions = len(np.unique(coordinate))
@@ -97,6 +99,12 @@ def regress_ratings(coordinate: np.ndarray, rating: np.ndarray) -> AxisRegressio
         raise GlossError("A regression of ratings needs finite coordinates and ratings.")
     if positions < 3:
         raise GlossError(f"A regression of ratings needs 3 different positions along the axis, but got {positions}.")
+    extent = np.ptp(coordinate)
+    if not 1 / _LARGEST <= extent <= _LARGEST:
+        raise GlossError(
+            f"The positions along the axis differ by {extent:g}, where a slope is beyond what a number can hold. "
+            f"Allowed: {1 / _LARGEST:g} to {_LARGEST:g}. Check the table of stimuli."
+        )
     if np.ptp(rating) == 0:
         raise GlossError(f"All ratings are {rating[0]:g}: there is no relation to the axis to fit.")
     line = linregress(coordinate, rating)

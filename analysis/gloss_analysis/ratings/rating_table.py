@@ -10,13 +10,15 @@ from gloss_analysis.axis_functions.coordinates import axis_coordinates
 from glossspace.errors import GlossError
 from glossspace.user_table import read_user_table
 
-__all__ = ["COLUMNS", "Axis", "from_rating_table", "read_ratings", "varied_axis"]
+__all__ = ["COLUMNS", "LARGEST_RATING", "Axis", "from_rating_table", "read_ratings", "varied_axis"]
 
 Axis: TypeAlias = Literal["c", "d"]
 COLUMNS = ("participant_id", "stimulus", "rating")
 """That a table of ratings must have; `repeat` and `axis` are optional."""
 
 _AXES: tuple[Axis, ...] = ("c", "d")
+# Squares of larger ratings, and of smaller than their inverse, come near what a number can hold.
+LARGEST_RATING = 1e100
 
 
 def read_ratings(path: str | Path, stimuli: pd.DataFrame) -> dict[Axis, pd.DataFrame]:
@@ -75,7 +77,7 @@ def from_rating_table(
     Raises
     ------
     GlossError
-        A column is missing, a name is empty, a rating is negative, infinite or not a number, a repeat is no whole
+        A column is missing, a name is empty, a rating is negative, beyond 1e100 or not a number, a repeat is no whole
         number from 1 or there twice, an axis is neither c nor d, a rated stimulus is not among `stimuli`, nothing was
         rated, or nothing says which axis the study varied.
 
@@ -155,11 +157,13 @@ def _require_names(table: pd.DataFrame, source: str) -> None:
 def _ratings(table: pd.DataFrame, source: str) -> pd.Series:
     values = pd.to_numeric(table["rating"], errors="coerce")
     written = table["rating"].notna() & (table["rating"].astype(str).str.strip() != "")
-    impossible = ((values.isna() & written) | (values < 0) | np.isinf(values)).to_numpy()
+    extreme = (values > LARGEST_RATING) | ((values > 0) & (values < 1 / LARGEST_RATING))
+    impossible = ((values.isna() & written) | (values < 0) | extreme).to_numpy()
     if impossible.any():
         raise GlossError(
             f"{source}, {_place(table, impossible)}: rating {str(table['rating'][impossible].iloc[0])!r} is not "
-            "allowed. Allowed: a finite number >= 0, or an empty cell for a trial that was not judged."
+            f"allowed. Allowed: 0, a number from {1 / LARGEST_RATING:g} to {LARGEST_RATING:g}, or an empty "
+            "cell for a trial that was not judged."
         )
     return values
 

@@ -1,7 +1,7 @@
 """All pictures of a study's report: the gloss paper's figures from this run, and those that show how sure they are."""
 
 from gloss_analysis import figures
-from gloss_analysis.hypotheses.comparison import HYPOTHESES_C
+from gloss_analysis.report.numbers import counted
 from gloss_analysis.report.pictures import Picture, drawn, finished
 from gloss_analysis.study.analysis import StudyAnalysis
 from gloss_analysis.study.examples import CityMap, ColourCircle
@@ -13,7 +13,7 @@ __all__ = ["report_pictures"]
 def report_pictures(analysis: StudyAnalysis, cities: CityMap, circle: ColourCircle) -> dict[str, Picture]:
     """Draw all pictures, by the names under which the page and the table of the paper's figures know them.
 
-    Those that need what the study does not have are left out: `hypotheses` without measurements in the images, `ring`
+    Those that need what the study does not have are left out: `hypotheses_c` without measurements in the images, `ring`
     and `matched` where nobody rendered them.
     """
     return {
@@ -135,14 +135,13 @@ def _ratings(analysis: StudyAnalysis) -> dict[str, Picture]:
         )
         for key, name, axis, number in (("doi", "fig07-ratings-d", "d", 7), ("contrast", "fig08-ratings-c", "c", 8))
     }
-    if analysis.hypotheses is not None:
-        pictures["hypotheses"] = drawn(
-            "hypotheses-c",
-            figures.draw_hypotheses(
-                HYPOTHESES_C, study.stimuli, study.ratings["c"], confirmed=analysis.hypotheses.confirmed
-            ),
-            "Mean ratings against three forms of contrast gloss",
-            "Three hypotheses for c on ratings, with 95 % intervals, and on judged pairs.",
+    for axis, test in analysis.hypotheses.items():
+        pictures[f"hypotheses_{axis}"] = drawn(
+            f"hypotheses-{axis}",
+            figures.draw_hypotheses(test.tested, study.stimuli, study.ratings[axis], confirmed=test.confirmed),
+            f"Mean ratings against several forms of {axis}",
+            f"{counted(len(test.tested), 'hypothesis', 'hypotheses').capitalize()} for {axis} on ratings, with 95 % "
+            "intervals, and on judged pairs.",
             observers=study.observers,
         )
     return pictures

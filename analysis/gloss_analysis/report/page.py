@@ -4,8 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import pandas as pd
-
 from gloss_analysis.figures.hypotheses import hypotheses_table
 from gloss_analysis.ratings.polynomials import polynomial_sentence
 from gloss_analysis.report import words
@@ -99,7 +97,9 @@ def write_report(
         circle=circle,
         cities=cities,
         rows={name: table.to_dict("records") for name, table in tables.items()},
-        hypotheses=_hypothesis_rows(analysis),
+        hypotheses={
+            axis: hypotheses_table(test.compared, test.confirmed) for axis, test in analysis.hypotheses.items()
+        },
         curvature=[
             f"Along {axis}: {polynomial_sentence(line.polynomials)}" for axis, line in analysis.fit.regressions.items()
         ],
@@ -119,12 +119,6 @@ def write_report(
     kept = write_folder(report_folder(path), files, on_step=on_step)
     write_text(path, page_text)
     return WrittenReport(path, report_folder(path), tuple(files), tuple(kept))
-
-
-def _hypothesis_rows(analysis: StudyAnalysis) -> pd.DataFrame | None:
-    if analysis.hypotheses is None:
-        return None
-    return hypotheses_table(analysis.hypotheses.compared, analysis.hypotheses.confirmed)
 
 
 def _remarks(analysis: StudyAnalysis) -> list[str]:

@@ -37,13 +37,16 @@ def report_tables(
         "ratings-d": analysis.rated["d"],
         "regressions": _regressions(analysis),
         "orthogonality": _orthogonality(analysis),
+        "own-weights": _own_weights(analysis),
+        "tasks": _tasks(analysis),
         "metric": _metric(analysis),
     }
-    if analysis.hypotheses is not None:
-        judged["hypotheses-c"] = analysis.hypotheses.compared.merge(analysis.hypotheses.confirmed, on="hypothesis")
+    for axis, test in analysis.hypotheses.items():
+        judged[f"hypotheses-{axis}"] = test.compared.merge(test.confirmed, on="hypothesis")
     judged = {name: table.assign(observers=analysis.study.observers) for name, table in judged.items()}
     each = {
         "axis-weights": _weights(analysis),
+        "indscal-weights": _indscal_weights(analysis),
         "metric-participants": analysis.metric.table(),
         "consistency": _consistency(analysis),
     }
@@ -169,6 +172,37 @@ def _orthogonality(analysis: StudyAnalysis) -> pd.DataFrame:
         ],
         columns=["axes", "stress1", "drop", "drop_permuted_median", "p"],
     )
+
+
+def _own_weights(analysis: StudyAnalysis) -> pd.DataFrame:
+    found = analysis.indscal
+    known = found.p_value is not None
+    rows = [
+        ("shared", found.stress1_shared, np.nan, np.nan, np.nan),
+        ("own", found.stress1, found.share_taken, np.median(found.null) if known else np.nan, found.p_value),
+    ]
+    if found.stress1_combined is not None:
+        rows.append(("own, of the best combinations of the axes", found.stress1_combined, np.nan, np.nan, np.nan))
+    return pd.DataFrame(rows, columns=["weights", "stress1", "drop", "drop_permuted_median", "p"])
+
+
+def _indscal_weights(analysis: StudyAnalysis) -> pd.DataFrame:
+    """Weights of squared differences along axes of sum of squares 1: what INDSCAL prints."""
+    found = analysis.indscal
+    weights = pd.DataFrame(found.squared_weights, columns=list(found.axes))
+    weights.insert(0, "participant_id", found.participants)
+    return weights
+
+
+def _tasks(analysis: StudyAnalysis) -> pd.DataFrame:
+    """Mean ratings beside the scale that the judged pairs make, of the stimuli of both tasks."""
+    parts = [
+        pd.DataFrame(
+            {"axis": one.axis, "stimulus": one.stimuli, "rating": one.rating, "pairs_scale_value": one.scale_value}
+        )
+        for one in analysis.tasks
+    ]
+    return pd.concat(parts, ignore_index=True)
 
 
 def _metric(analysis: StudyAnalysis) -> pd.DataFrame:

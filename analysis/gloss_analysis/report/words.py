@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from gloss_analysis.hypotheses.candidates import Axis
 from gloss_analysis.ratings.polynomials import AxisRegression, PolynomialFit
 from gloss_analysis.report.numbers import counted, fixed, interval, joined, p_value
 from gloss_analysis.study.analysis import StudyAnalysis
@@ -16,7 +17,9 @@ __all__ = [
     "independence_words",
     "metric_words",
     "observers_words",
+    "own_weights_words",
     "ratings_words",
+    "tasks_words",
     "weight_words",
 ]
 
@@ -92,6 +95,34 @@ def independence_words(analysis: StudyAnalysis) -> str:
     return f"The judgements speak against independent axes: {tests}."
 
 
+def own_weights_words(analysis: StudyAnalysis) -> str:
+    """Whether participants weigh the axes differently; empty for a single one."""
+    found = analysis.indscal
+    if found.p_value is None:
+        return ""
+    taken = (
+        f"own weights take away {fixed(100 * found.share_taken, 1)} % of the mean square stress of shared ones, "
+        f"{fixed(100 * float(np.median(found.null)), 1)} % in the median of {len(found.null)} permutations "
+        f"(p {p_value(found.p_value)})"
+    )
+    differ = found.p_value <= _ALPHA
+    verdict = (
+        "Participants weigh the axes differently" if differ else "Nothing says that participants differ in weights"
+    )
+    said = f"{verdict}: {taken}."
+    if differ and found.angles is not None:
+        near = joined(
+            [f"{fixed(float(angle), 0)}° from {axis}" for axis, angle in zip(found.axes, found.angles, strict=True)]
+        )
+        said += f" The axes that their differences ask for lie {near}."
+    return said
+
+
+def tasks_words(analysis: StudyAnalysis) -> str:
+    """Whether ratings and judged pairs have one scale."""
+    return " ".join(sentence for task in analysis.tasks for sentence in task.sentences)
+
+
 def ratings_words(analysis: StudyAnalysis, axis: str) -> str:
     """Whether ratings are linear along an axis."""
     line, known = analysis.fit.regressions[axis], analysis.r_squared_intervals[axis]
@@ -126,16 +157,17 @@ def _best_predicting(line: AxisRegression) -> PolynomialFit:
     return min(known, key=lambda fit: fit.leave_one_out_error, default=straight)
 
 
-def hypotheses_words(analysis: StudyAnalysis) -> str:
-    """Which form of contrast gloss ratings and pairs ask for; empty where nothing was measured in the images."""
-    if analysis.hypotheses is None:
+def hypotheses_words(analysis: StudyAnalysis, axis: Axis) -> str:
+    """Which form of an axis ratings and pairs ask for; empty where too few could be tested."""
+    if axis not in analysis.hypotheses:
         return ""
-    compared = analysis.hypotheses.compared.sort_values("r_squared", ascending=False)
-    confirmed = analysis.hypotheses.confirmed.sort_values("stress1")
+    test = analysis.hypotheses[axis]
+    compared = test.compared.sort_values("r_squared", ascending=False)
+    confirmed = test.confirmed.sort_values("stress1")
     ratings = joined([f"{row.hypothesis} {fixed(row.r_squared, 3)}" for row in compared.itertuples()])
     pairs = joined([f"{row.hypothesis} {fixed(row.stress1, 3)}" for row in confirmed.itertuples()])
     first, second = compared["hypothesis"].iloc[0], confirmed["hypothesis"].iloc[0]
-    words = f"{counted(len(compared), 'form')} of c"
+    words = f"{counted(len(compared), 'form')} of {axis}"
     evidence = f"(r² with the ratings: {ratings}; Stress-1 on the judged pairs: {pairs})"
     if first == second:
         said = f"Of {words}, “{first}” fits both the ratings and the judged pairs best {evidence}."

@@ -10,11 +10,14 @@ from gloss_analysis.axes.orientation import matched_dimensions, rotation_cost, t
 from gloss_analysis.axes.property_fitting import PropertyVector, property_vector
 from gloss_analysis.axis_functions.axis_forms import FormChoice
 from gloss_analysis.axis_functions.coordinates import axis_coordinates, rated_along
+from gloss_analysis.confirmatory.indscal import ConfirmatoryIndscal, confirm_indscal
 from gloss_analysis.confirmatory.orthogonality import Orthogonality, check_orthogonality
 from gloss_analysis.confirmatory.ratio_intervals import ratio_intervals
+from gloss_analysis.confirmatory.task_identity import TaskIdentity, compare_tasks
 from gloss_analysis.dimensionality.study import DimensionalityStudy, study_dimensionality
 from gloss_analysis.fit import GlossSpaceFit, fit_gloss_space, labelled_observers
-from gloss_analysis.hypotheses.comparison import HYPOTHESES_C, compare_hypotheses, confirm_hypotheses
+from gloss_analysis.hypotheses.candidates import HYPOTHESES, Axis, Hypothesis, with_values
+from gloss_analysis.hypotheses.comparison import compare_hypotheses, confirm_hypotheses
 from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.judgements.reliability import Reliability, reliability
 from gloss_analysis.mds import MdsSolution, scale
@@ -23,12 +26,13 @@ from gloss_analysis.ratings.rating_uncertainty import r_squared_interval
 from gloss_analysis.study.folder import Study
 from gloss_analysis.uncertainty.bootstrap import BootstrapResult, bootstrap
 from gloss_analysis.validation.metric_check import MetricCheck, check_metric
-from glossspace.errors import GlossError
 
 __all__ = ["AxisReading", "HypothesisTest", "StudyAnalysis", "analyse_study"]
 
 _ROTATIONS_DEG = np.arange(-45.0, 46.0, 5.0)
 _REPLICATES, _PERMUTATIONS = 1000, 199
+# Of weights, which are fitted to every participant anew: p is no finer than .01.
+_WEIGHT_PERMUTATIONS = 99
 
 
 @dataclass(frozen=True)
@@ -60,16 +64,22 @@ class AxisReading:
 
 @dataclass(frozen=True)
 class HypothesisTest:
-    """How three forms of contrast gloss fare.
+    """How several forms of an axis fare.
 
     Attributes
     ----------
+    tested : tuple of Hypothesis
+        Those that have a value for every stimulus.
+    skipped : mapping of str to str
+        The others, and why they were not tested.
     compared : DataFrame
         On ratings; see `compare_hypotheses`.
     confirmed : DataFrame
         On judged pairs; see `confirm_hypotheses`.
     """
 
+    tested: tuple[Hypothesis, ...]
+    skipped: dict[str, str]
     compared: pd.DataFrame
     confirmed: pd.DataFrame
 
@@ -95,8 +105,9 @@ class StudyAnalysis:
         Whether the judgements ask for other forms.
     rated : mapping of {"c", "d"} to DataFrame
         Mean ratings beside the coordinates.
-    hypotheses : HypothesisTest or None
-        What could contrast gloss be? None where nothing was measured in the images.
+    hypotheses : mapping of {"c", "d"} to HypothesisTest
+        What could the axis be? Without an axis of which fewer than two forms can be tested, as where nothing was
+        measured in the images.
     resampled : BootstrapResult or None
         The weighted plane fitted anew to resampled participants. None with a single one.
     ratio_intervals : mapping of str to (low, high)
@@ -105,6 +116,10 @@ class StudyAnalysis:
         Of the regressions of ratings, over participants.
     orthogonality : Orthogonality
         Are c and d independent?
+    indscal : ConfirmatoryIndscal
+        Do participants weigh them differently?
+    tasks : tuple of TaskIdentity
+        Is the scale of ratings that of the judged pairs, along c and along d?
     metric : MetricCheck
         How well the fitted space predicts the judgements, beside other spaces.
     raters : mapping of {"c", "d"} to tuple of RaterConsistency
@@ -122,11 +137,13 @@ class StudyAnalysis:
     fit: GlossSpaceFit
     forms: Mapping[str, FormChoice]
     rated: dict[str, pd.DataFrame]
-    hypotheses: HypothesisTest | None
+    hypotheses: dict[Axis, HypothesisTest]
     resampled: BootstrapResult | None
     ratio_intervals: dict[str, tuple[float, float]]
     r_squared_intervals: dict[str, tuple[float, float] | None]
     orthogonality: Orthogonality
+    indscal: ConfirmatoryIndscal
+    tasks: tuple[TaskIdentity, ...]
     metric: MetricCheck
     raters: dict[str, tuple[RaterConsistency, ...]]
     judges: tuple[Reliability, ...]
@@ -165,8 +182,9 @@ def analyse_study(
     coordinates = axis_coordinates(study.stimuli, list(study.pairs.stimuli))
     places = coordinates[["c", "d"]].to_numpy()
     rated = {axis: rated_along(study.stimuli, table) for axis, table in study.ratings.items()}
-    on_step("The hypotheses for c")
+    on_step("The hypotheses for c and d, and ratings against the scale of the pairs")
     hypotheses = _test_hypotheses(study)
+    tasks = compare_tasks(study.pairs, places, study.ratings, axes=("c", "d"), seed=seed, n_jobs=n_jobs)
     on_step("Reading of the axes")
     reading = _read_axes(study.pairs, plane, identity_plane, coordinates)
     on_step(f"How sure: {_REPLICATES} resamplings of the participants, each participant's own interval")
@@ -175,6 +193,10 @@ def analyse_study(
     on_step(f"Independence of the axes: {_PERMUTATIONS} permutations")
     orthogonality = check_orthogonality(
         study.pairs, places, axes=("c", "d"), n_permutations=_PERMUTATIONS, seed=seed, n_jobs=n_jobs
+    )
+    on_step(f"Weights of each participant against shared ones: {_WEIGHT_PERMUTATIONS} permutations")
+    indscal = confirm_indscal(
+        study.pairs, places, axes=("c", "d"), n_permutations=_WEIGHT_PERMUTATIONS, seed=seed, n_jobs=n_jobs
     )
     return StudyAnalysis(
         study=study,
@@ -195,6 +217,8 @@ def analyse_study(
             for axis, table in rated.items()
         },
         orthogonality=orthogonality,
+        indscal=indscal,
+        tasks=tasks,
         metric=check_metric(study.stimuli, study.pairs, fit.space, fit.confirmatory),
         raters={axis: rater_consistency(table) for axis, table in study.ratings.items()},
         judges=reliability(study.judgements),
@@ -207,19 +231,17 @@ def _resampled(pairs: Dissimilarities, plane: MdsSolution, *, seed: int, n_jobs:
     return bootstrap(pairs, plane, n_replicates=_REPLICATES, seed=seed, n_jobs=n_jobs)
 
 
-def _test_hypotheses(study: Study) -> HypothesisTest | None:
-    judged = study.stimuli["stimulus"].isin({*study.pairs.stimuli, *study.ratings["c"]["stimulus"]})
-    for hypothesis in HYPOTHESES_C:
-        try:
-            values = hypothesis.values(study.stimuli[judged])
-        except GlossError:
-            return None  # the images were not measured
-        if not np.all(np.isfinite(values)):
-            return None  # a patch is out of sight in some image
-    return HypothesisTest(
-        compare_hypotheses(HYPOTHESES_C, study.stimuli, study.ratings["c"]),
-        confirm_hypotheses(HYPOTHESES_C, study.stimuli, study.pairs),
-    )
+def _test_hypotheses(study: Study) -> dict[Axis, HypothesisTest]:
+    found: dict[Axis, HypothesisTest] = {}
+    for axis, hypotheses in HYPOTHESES.items():
+        ratings = study.ratings[axis]
+        judged = study.stimuli["stimulus"].isin({*study.pairs.stimuli, *ratings["stimulus"]})
+        tested, skipped = with_values(hypotheses, study.stimuli[judged])
+        if len(tested) > 1:
+            compared = compare_hypotheses(tested, study.stimuli, ratings)
+            confirmed = confirm_hypotheses(tested, study.stimuli, study.pairs)
+            found[axis] = HypothesisTest(tuple(tested), skipped, compared, confirmed)
+    return found
 
 
 def _read_axes(

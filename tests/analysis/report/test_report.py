@@ -62,7 +62,9 @@ class TestPage:
     def test_each_section_begins_with_what_the_data_support(self, written, simulated):
         page = words_of(page_of(written))
         findings = re.findall(r'<p class="finding">(.*?)</p>', page, flags=re.DOTALL)
-        assert len(findings) == page.count("<h2") - 4 + 2  # not the tables, real data, people, provenance; two in parts
+        assert (
+            len(findings) == page.count("<h2") - 4 + 5
+        )  # not the tables, real data, people, provenance; five in parts
         ratio = simulated.fit.confirmatory.population_ratio
         assert any(f"counts {ratio:.2f} times as much" in finding for finding in findings)
 
@@ -119,6 +121,48 @@ class TestFiles:
         assert rated["rating"].mean() == pytest.approx(own["rating"].mean(), rel=1e-9)
         assert (rated["ci_low"] < rated["rating"]).all()
 
+    def test_hypotheses_for_both_axes_are_tested_on_ratings_and_pairs(self, written, simulated):
+        # What is measured in the images of `study_folders` has no widths of edges.
+        assert "Not tested: edge width." in page_of(written)
+        found = table_of(written, "hypotheses-d").set_index("hypothesis")
+        assert found.index.tolist() == ["1 - alpha", "1 - sqrt(alpha)", "-log(alpha)", "1/alpha"]
+        rated = table_of(written, "ratings-d")
+        alpha = simulated.study.stimuli.set_index("stimulus").loc[rated["stimulus"], "alpha"].to_numpy()
+        forms = {"1 - alpha": -alpha, "1 - sqrt(alpha)": -np.sqrt(alpha), "-log(alpha)": np.log(alpha)}
+        for name, values in forms.items():
+            r = np.corrcoef(values, rated["rating"])[0, 1]
+            assert found.loc[name, "r_squared"] == pytest.approx(r**2, rel=1e-8)  # tables hold ten digits
+        # Judged by 1 - alpha.
+        assert found["stress1"].idxmin() == found["r_squared"].idxmax() == "1 - alpha"
+        assert table_of(written, "hypotheses-c")["stress1"].idxmin() == 2
+        assert {"figures/hypotheses-c.svg", "figures/hypotheses-d.svg"} <= set(written.files)
+
+    def test_own_weights_are_set_beside_shared_ones(self, written, simulated):
+        found = table_of(written, "own-weights").set_index("weights")
+        fit = simulated.fit.confirmatory
+        # With the coordinates given INDSCAL is the individual fits: the root mean square of their stress.
+        own = np.sqrt(np.mean([one.stress1**2 for one in fit.individual]))
+        assert found.loc["own", "stress1"] == pytest.approx(own, rel=1e-6)  # two searches for one minimum
+        assert found.loc["shared", "stress1"] == pytest.approx(fit.shared.stress1, rel=1e-6)
+        taken = 1 - (own / fit.shared.stress1) ** 2
+        assert found.loc["own", "drop"] == pytest.approx(taken, rel=1e-3)  # of two numbers that are near each other
+        # Their own ratios are 1.5 to 2, and their noise is 1.5 hundredths of the slider.
+        assert found.loc["own", "p"] == 0.01
+        assert "Participants weigh the axes differently" in page_of(written)
+        weights = table_of(written, "indscal-weights").set_index("participant_id")
+        ratios = table_of(written, "axis-weights").set_index("participant_id")["ratio"]
+        scale = simulated.coordinates["d"].std() / simulated.coordinates["c"].std()
+        assert np.sqrt(weights["d"] / weights["c"]).to_dict() == pytest.approx((ratios * scale).to_dict(), rel=1e-4)
+
+    def test_ratings_are_compared_with_the_scale_of_the_pairs(self, written):
+        found = table_of(written, "tasks")
+        # Rated and judged: see `study_folders.SETS`.
+        assert found["axis"].value_counts().to_dict() == {"c": 4, "d": 3}
+        along = found[found["axis"] == "c"]
+        r = np.corrcoef(along["pairs_scale_value"], along["rating"])[0, 1]
+        assert "4 of 6 rated stimuli were judged in pairs too" in page_of(written)
+        assert f"Ratings over MDS scale values: r² = {r**2:.3f}" in page_of(written)
+
     def test_every_table_is_whole_csv(self, written):
         for path in written.folder.glob("tables/*.csv"):
             header, *rows = csv.reader(path.read_text("utf-8").splitlines())
@@ -163,7 +207,8 @@ class TestOnePerson:
         assert "too few for an interval" in methods
         assert "One person (01) took part." in methods
         assert "whose error no manifest tells" in methods
-        assert not [name for name in report.files if "hypotheses" in name]
+        assert not [name for name in report.files if "hypotheses-c" in name]
+        assert "Do participants weigh the axes differently?" not in page
         assert set(table_of(report, "consistency")["observers"]) == {"human"}
         assert np.isnan(table_of(report, "regressions")["r_squared_low"]).all()
 

@@ -71,14 +71,24 @@ def test_a_weight_that_is_not_the_papers(simulated):
 
 
 def test_a_form_that_ratings_and_pairs_disagree_about(simulated):
-    compared, confirmed = simulated.hypotheses.compared.copy(), simulated.hypotheses.confirmed.copy()
+    known = simulated.hypotheses["c"]
+    compared, confirmed = known.compared.copy(), known.confirmed.copy()
     compared["r_squared"], compared["slope"] = [0.9, 0.5, 0.4], [1, 1, -1]
     confirmed["stress1"] = [0.3, 0.2, 0.1]
-    test = replace(simulated.hypotheses, compared=compared, confirmed=confirmed)
-    said = words.hypotheses_words(replace(simulated, hypotheses=test))
+    test = {"c": replace(known, compared=compared, confirmed=confirmed)}
+    said = words.hypotheses_words(replace(simulated, hypotheses=test), "c")
     assert "“luminance ratio” fits the ratings best, but “object space” the judged pairs" in said
     assert said.endswith("Ratings fall with object space.")
-    assert words.hypotheses_words(replace(simulated, hypotheses=None)) == ""
+    assert words.hypotheses_words(replace(simulated, hypotheses={}), "c") == ""
+
+
+def test_participants_who_weigh_the_axes_alike(simulated, alone):
+    alike = replace(simulated.indscal, p_value=0.4)
+    said = words.own_weights_words(replace(simulated, indscal=alike))
+    assert said.startswith("Nothing says that participants differ in weights: own weights take away")
+    assert "99 permutations (p = 0.4)" in said
+    assert "°" not in said  # INDSCAL's axes are not determined
+    assert words.own_weights_words(alone) == ""
 
 
 def test_a_metric_that_gains_nothing(simulated):
