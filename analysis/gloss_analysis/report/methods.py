@@ -46,7 +46,7 @@ def methods_text(analysis: StudyAnalysis) -> str:
         observers=study.observers,
         simulated=_simulated_words(study),
         display=display_words(study.sets["experiment1"]),
-        calibration=calibration_words(study.sets["experiment1"]),
+        calibration=calibration_words(study.sets["experiment1"], session_headers(study)),
         tone=tone_words(study.sets["experiment1"]),
         rendered=render_words(study),
         sets=[(name, _levels(one.table()), rendering_summary(one)) for name, one in study.sets.items()],

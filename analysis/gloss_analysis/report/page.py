@@ -17,6 +17,7 @@ from gloss_analysis.report.provenance import (
     file_hashes,
     render_words,
     rendering_summary,
+    session_headers,
     software_versions,
 )
 from gloss_analysis.report.tables import as_csv, report_tables
@@ -106,7 +107,7 @@ def write_report(
         exclusions=exclusion_words(analysis),
         warnings=_remarks(analysis),
         display=display_words(study.sets["experiment1"]),
-        calibration=calibration_words(study.sets["experiment1"]),
+        calibration=calibration_words(study.sets["experiment1"], session_headers(study)),
         rendered=render_words(study),
         rendering={name: (len(one.stimuli), rendering_summary(one)) for name, one in study.sets.items()},
         folder=report_folder(path).name,

@@ -2,6 +2,7 @@
 
 import json
 import platform
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -120,14 +121,30 @@ def tone_words(stimuli: StimulusSet) -> str:
     return f"Luminance of the scene was mapped to that of the display by a {curve['kind']}{level}. "
 
 
-def calibration_words(stimuli: StimulusSet) -> str:
-    """Residuals of the display's calibration, or that none is recorded."""
+def calibration_words(stimuli: StimulusSet, headers: Sequence[Mapping[str, Any]] = ()) -> str:
+    """Calibrations that the screens were checked against, with their residuals, or that none is recorded.
+
+    Parameters
+    ----------
+    stimuli : StimulusSet
+        For what its display says.
+    headers : sequence of mapping
+        Of the journals; see `session_headers`.
+    """
     display = stimuli.manifest["display"]
-    residual = display.get("calibration_residual") or display.get("residual")
-    if isinstance(residual, dict):
-        listed = ", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in residual.items() if _number(value))
-        if listed:
-            return f"Residuals of the display's calibration: {listed}."
+    found: dict[str, str] = {}
+    for header in headers:
+        checked = header.get("preflight")
+        known = checked.get("calibration") if isinstance(checked, dict) else None
+        if isinstance(known, dict) and _number(known.get("rms_delta_l")) and _number(known.get("largest_delta_l")):
+            found[str(known.get("sha256"))] = (
+                f"The screen “{known.get('screen')}” was {'SIMULATED' if known.get('simulated') else 'calibrated'} on "
+                f"{str(known.get('measured_at'))[:10]} ({known.get('photometer')}); on {known.get('n_verified')} "
+                f"patches that were not used in the fit the residual was ΔL* {known['rms_delta_l']:.2g} (root mean "
+                f"square), at most {known['largest_delta_l']:.2g}."
+            )
+    if found:
+        return " ".join(found.values())
     table = display.get("measured")
     if isinstance(table, dict) and table.get("codes"):
         return (

@@ -146,7 +146,10 @@ class Calibration:
 
 @dataclass(frozen=True, kw_only=True)
 class StoredCalibration:
-    """What a session needs of a calibration on the disk; make one with `read_calibration`."""
+    """What a session needs of a calibration on the disk; make one with `read_calibration`.
+
+    `rms_delta_l` and `largest_delta_l` are residuals on `n_verified` patches that the fit has not seen.
+    """
 
     path: Path
     sha256: str
@@ -155,6 +158,9 @@ class StoredCalibration:
     photometer: str
     simulated: bool
     display: DisplayModel
+    n_verified: int
+    rms_delta_l: float
+    largest_delta_l: float
 
 
 def calibrate(
@@ -226,6 +232,7 @@ def read_calibration(path: str | Path) -> StoredCalibration:
         )
     try:
         measured_at = datetime.fromisoformat(document["measured_at"])
+        verified = document["verification"][0]
         return StoredCalibration(
             path=path,
             sha256=sha256_of(path),
@@ -234,8 +241,11 @@ def read_calibration(path: str | Path) -> StoredCalibration:
             photometer=str(document["photometer"]),
             simulated=document["simulated"] is not False,
             display=DisplayModel.from_dict(document["display"]),
+            n_verified=len(verified["codes"]),
+            rms_delta_l=float(verified["rms_delta_l"]),
+            largest_delta_l=float(verified["largest_delta_l"]),
         )
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
         what = f"'{error.args[0]}' is missing" if isinstance(error, KeyError) else str(error)
         raise GlossError(
             f"The screen calibration '{path}' is damaged: {what}. Restore it, or fit its readings again."

@@ -29,7 +29,7 @@ class Preflight:
     override : str or None
         Why the session is to run all the same.
     calibration : dict or None
-        Which calibration was checked: name of the screen, file, SHA-256, day.
+        Which calibration was checked: screen, file, SHA-256, day, photometer, residuals of its verification.
     """
 
     rows: tuple[Row, ...]
@@ -151,6 +151,10 @@ def judge_screen(
             "file": str(calibration.path),
             "sha256": calibration.sha256,
             "measured_at": calibration.measured_at.isoformat(timespec="seconds"),
+            "photometer": calibration.photometer,
             "simulated": calibration.simulated,
+            "n_verified": calibration.n_verified,
+            "rms_delta_l": calibration.rms_delta_l,
+            "largest_delta_l": calibration.largest_delta_l,
         }
     return Preflight(rows=rows, calibration=known)

@@ -84,6 +84,22 @@ def test_what_a_manifest_knows_of_display_and_tone_is_told(simulated):
     assert "a measured table of luminance" in display_words(other)
     assert "measured at 3 code values" in calibration_words(other)
     assert "by a rational sigmoid, adapted to 10 cd/m²" in tone_words(other)
-    residual = {**measured, "calibration_residual": {"largest_cd_m2": 0.31}}
-    known = StimulusSet(stimuli.folder, "x", (), {**stimuli.manifest, "display": residual})
-    assert calibration_words(known) == "Residuals of the display's calibration: largest cd m2 0.31."
+
+
+def test_calibrations_are_told_once_each_with_their_residuals(simulated):
+    """As the check of the screen leaves them in the headers of the journals."""
+    known = {
+        "screen": "EIZO no. 7",
+        "sha256": "a1",
+        "measured_at": "2026-03-31T09:00:00+00:00",
+        "photometer": "LS-110 no. 3",
+        "simulated": False,
+        "n_verified": 8,
+        "rms_delta_l": 0.1234,
+        "largest_delta_l": 0.4567,
+    }
+    headers = [{"preflight": {"calibration": known}}, {"preflight": {"calibration": known}}, {"preflight": None}, {}]
+    assert calibration_words(simulated.study.sets["experiment1"], headers) == (
+        "The screen “EIZO no. 7” was calibrated on 2026-03-31 (LS-110 no. 3); on 8 patches that were not used in the "
+        "fit the residual was ΔL* 0.12 (root mean square), at most 0.46."
+    )

@@ -79,6 +79,9 @@ def test_a_good_screen_passes(stored):
     angle = next(row for row in found.rows if row.name == "image width")
     assert angle.found == "316 px, 3.20 degrees"  # 8.514 cm at 60 inches: the gloss paper's images
     assert found.calibration["screen"] == "EIZO no. 7"
+    # Of the verification patches, which the methods text of a report tells from the journal
+    assert found.calibration["n_verified"] > 0
+    assert 0 <= found.calibration["rms_delta_l"] <= found.calibration["largest_delta_l"]
 
 
 def test_a_lab_without_a_photometer_is_warned(stored):
