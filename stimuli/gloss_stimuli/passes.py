@@ -58,7 +58,7 @@ class PassPlan:
         if alpha is None:
             geometry["sphere"].pop("lobe")
         return content_key(
-            "tracer", "lattice", "ward_lobe", "coefficients", "passes",
+            "tracer", "lattice", "ward_lobe", "glossspace.reflectance.ward_terms", "coefficients", "passes",
             geometry=geometry, seed=self.seed, alpha=alpha, samples=samples, randomisations=self.randomisations,
             mitsuba=version("mitsuba"), drjit=version("drjit"),
         )  # fmt: skip

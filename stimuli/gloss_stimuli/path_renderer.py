@@ -108,7 +108,7 @@ class PathRenderer:
 
     def key(self, stimulus: Stimulus) -> str:
         """Hash of everything that determines the luminance of a stimulus."""
-        sources = ["path_renderer", "mitsuba_scene", "ward_bsdf", "ward_lobe"]
+        sources = ["path_renderer", "mitsuba_scene", "ward_bsdf", "ward_lobe", "glossspace.reflectance.ward_terms"]
         if isinstance(self.scene, UserScene):
             sources += ["gloss_ward_bsdf", "user_scene"]
             scene: dict[str, Any] = self._files
