@@ -1,6 +1,7 @@
 """All pictures of a study's report: the gloss paper's figures from this run, and those that show how sure they are."""
 
 from gloss_analysis import figures
+from gloss_analysis.report.glossmeter import glossmeter_pictures
 from gloss_analysis.report.numbers import counted
 from gloss_analysis.report.pictures import Picture, drawn, finished
 from gloss_analysis.study.analysis import StudyAnalysis
@@ -22,6 +23,7 @@ def report_pictures(analysis: StudyAnalysis, cities: CityMap, circle: ColourCirc
         **_ratings(analysis),
         **_space(analysis),
         **_metric(analysis),
+        **glossmeter_pictures(),
     }
 
 

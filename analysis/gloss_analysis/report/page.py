@@ -9,6 +9,7 @@ from gloss_analysis.ratings.polynomials import polynomial_sentence
 from gloss_analysis.report import words
 from gloss_analysis.report.folder import check_report_target, report_folder, write_folder
 from gloss_analysis.report.gallery import report_pictures
+from gloss_analysis.report.glossmeter import glossmeter_rows, glossmeter_words
 from gloss_analysis.report.methods import exclusion_words, methods_text
 from gloss_analysis.report.paper_figures import paper_figures
 from gloss_analysis.report.provenance import (
@@ -105,6 +106,8 @@ def write_report(
             f"Along {axis}: {polynomial_sentence(line.polynomials)}" for axis, line in analysis.fit.regressions.items()
         ],
         exclusions=exclusion_words(analysis),
+        glossmeter=glossmeter_rows(tables),
+        glossmeter_words=glossmeter_words(tables),
         warnings=_remarks(analysis),
         display=display_words(study.sets["experiment1"]),
         calibration=calibration_words(study.sets["experiment1"], session_headers(study)),

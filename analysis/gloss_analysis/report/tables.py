@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from gloss_analysis.figures.scaling import configuration_regions
+from gloss_analysis.report.glossmeter import glossmeter_tables
 from gloss_analysis.report.paper_figures import PaperFigure
 from gloss_analysis.report.pictures import Picture
 from gloss_analysis.report.provenance import file_hashes, render_error, rendering_summary, software_versions
@@ -54,20 +55,24 @@ def report_tables(
     for name, table in each.items():
         kinds = np.where(table["participant_id"].isin(programs), "simulated", "human")
         judged[name] = table.assign(observers=kinds)
-    return judged | {
-        "equations": pd.DataFrame(
-            [(row.quantity, row.paper, row.run, row.why) for row in comparison if not row.judged],
-            columns=["quantity", "paper", "this_run", "why"],
-        ),
-        "figures-of-the-paper": pd.DataFrame(
-            [(row.number, row.shows, pictures[row.key].name if row.key else "", row.here) for row in paper],
-            columns=["figure", "shows", "file", "here"],
-        ),
-        "stimuli": analysis.study.stimuli,
-        "rendering": _rendering(analysis),
-        "software": pd.DataFrame(software_versions().items(), columns=["name", "version"]),
-        "sources": pd.DataFrame(file_hashes(analysis.study.folder).items(), columns=["file", "sha256"]),
-    }
+    return (
+        judged
+        | glossmeter_tables()
+        | {
+            "equations": pd.DataFrame(
+                [(row.quantity, row.paper, row.run, row.why) for row in comparison if not row.judged],
+                columns=["quantity", "paper", "this_run", "why"],
+            ),
+            "figures-of-the-paper": pd.DataFrame(
+                [(row.number, row.shows, pictures[row.key].name if row.key else "", row.here) for row in paper],
+                columns=["figure", "shows", "file", "here"],
+            ),
+            "stimuli": analysis.study.stimuli,
+            "rendering": _rendering(analysis),
+            "software": pd.DataFrame(software_versions().items(), columns=["name", "version"]),
+            "sources": pd.DataFrame(file_hashes(analysis.study.folder).items(), columns=["file", "sha256"]),
+        }
+    )
 
 
 def as_csv(table: pd.DataFrame) -> bytes:

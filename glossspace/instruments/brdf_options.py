@@ -1,0 +1,70 @@
+"""How a person names a reflectance model on the command line of the instruments."""
+
+from typing import Any
+
+from glossspace.errors import GlossError
+from glossspace.reflectance import CookTorrance, Ggx, Lambert, Ward
+from glossspace.reflectance.model import ReflectanceModel
+
+__all__ = ["BRDFS", "named_brdf", "require_one_of"]
+
+# Parameters of each, and whether it must be given.
+_PARAMETERS = {
+    "lambert": {"rho_d": True},
+    "ward": {"rho_d": False, "rho_s": True, "alpha": True, "alpha_y": False, "normalisation": False},
+    "cook-torrance": {"rho_d": False, "scale": False, "slope": True, "n": True, "k": False},
+    "ggx": {"rho_d": False, "rho_s": False, "alpha": True, "n": False, "k": False},
+    "beckmann": {"rho_d": False, "scale": False, "slope": True, "n": True, "k": False},
+}
+
+BRDFS = tuple(_PARAMETERS)
+
+
+def named_brdf(brdf: str, **given: Any) -> ReflectanceModel:
+    """Build a model from the options of a command; those that are None were not given.
+
+    Raises
+    ------
+    GlossError
+        The model is unknown, or a parameter is missing, impossible or not its own.
+
+    Examples
+    --------
+    >>> named_brdf("ward", rho_s=0.1, alpha=0.05, rho_d=None).channels is None
+    True
+    """
+    require_one_of(brdf, BRDFS, option="--brdf")
+    known = _PARAMETERS[brdf]
+    values = {name: value for name, value in given.items() if value is not None}
+    missing = [_option(name) for name, needed in known.items() if needed and name not in values]
+    foreign = [_option(name) for name in values if name not in known]
+    if missing or foreign:
+        fault = f"needs {', '.join(missing)}" if missing else f"has no {', '.join(foreign)}"
+        raise GlossError(f"--brdf {brdf} {fault}. Its options are {', '.join(map(_option, known))}.")
+    rho_d = values.pop("rho_d", None)
+    if brdf == "lambert":
+        return Lambert(rho_d)
+    if brdf == "ggx":
+        lobe: ReflectanceModel = Ggx(**values)
+    elif brdf == "ward":
+        lobe = Ward(**values)
+    else:
+        form = "paper" if brdf == "cook-torrance" else "beckmann"
+        lobe = CookTorrance(**({"scale": 1.0} | values), form=form)
+    return lobe + Lambert(rho_d) if rho_d else lobe
+
+
+def require_one_of(value: str, allowed: tuple[str, ...], *, option: str) -> None:
+    """Refuse a word that an option does not know.
+
+    Raises
+    ------
+    GlossError
+        Names the option, the word and what is allowed.
+    """
+    if value not in allowed:
+        raise GlossError(f"Invalid {option} {value!r}. Allowed: {', '.join(allowed)}.")
+
+
+def _option(name: str) -> str:
+    return f"--{name.replace('_', '-')}"

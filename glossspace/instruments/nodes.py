@@ -1,0 +1,178 @@
+"""Nodes of Gauss–Legendre quadrature over a pair of apertures.
+
+One aperture, the smaller, carries a grid of nodes. For each of them the nodes on the other are laid about the point to
+which a mirror would send the light, in panels as wide as the lobe, since that is where the reflectance varies. On an
+aperture that the horizon cuts, the distance from the horizon is the square of the variable: reflectance times cosine
+may rise like the root of that distance.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from glossspace.instruments.apertures import Aperture
+from glossspace.instruments.lobes import LobeShape
+from glossspace.metric.validity import FloatArray
+
+__all__ = ["Nodes", "Orders", "first_orders", "make_nodes"]
+
+Orders = tuple[int, int, int, int]
+"""Gauss–Legendre orders: along and across the outer aperture, along and across each panel of the inner one."""
+
+# A lobe without an end has panels that grow by this factor.
+_GROWTH = 5.0
+_PANEL_WITHOUT_REACH = 3.0
+# Lobes of one shape differ by up to this factor, by which `LobeShape` rounds.
+_ROUNDING = math.sqrt(2)
+_CACHED_NODES = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class Nodes:
+    """Pairs of directions with weights that add to one, each weight including the solid angle but no cosine.
+
+    Attributes
+    ----------
+    outer : ndarray, shape (n, 1, 3)
+        Directions in the outer aperture.
+    inner : ndarray, shape (n, m, 3)
+        Directions in the inner one.
+    weight : ndarray, shape (n, m)
+        Weights of the mean over both solid angles.
+    """
+
+    outer: FloatArray
+    inner: FloatArray
+    weight: FloatArray
+
+
+def make_nodes(outer: Aperture, inner: Aperture, shape: LobeShape, orders: Orders) -> Nodes:
+    """Nodes for a lobe of a given shape. Small sets are kept for the next paint with the same shape."""
+    n_panels = math.prod(2 * len(_offsets(inner, half, shape)) + 1 for half in _half_widths(outer, shape))
+    if math.prod(orders) * n_panels <= _CACHED_NODES:
+        return _cached_nodes(outer, inner, shape, orders)
+    return _nodes(outer, inner, shape, orders)
+
+
+def first_orders(outer: Aperture, inner: Aperture, shape: LobeShape) -> Orders:
+    """Orders to begin with, from the widths of the apertures in units of the lobe's. The quadrature tests them."""
+    halves = _half_widths(outer, shape)
+    orders = []
+    for extent, half, margin in zip((outer.x_range, outer.y_range), halves, _margins(outer, inner), strict=True):
+        # Where all of the lobe is within the inner aperture, whatever the node of the outer one, little varies.
+        widths = 0.8 if margin > shape.reach * half else min((extent[1] - extent[0]) / 2 / half, 3.0)
+        orders.append(1 if extent[0] == extent[1] else 2 + math.ceil(2.5 * widths))
+    for extent, half in zip((inner.x_range, inner.y_range), halves, strict=True):
+        widths = min((extent[1] - extent[0]) / 2 / half, 7.0)
+        orders.append(1 if extent[0] == extent[1] else 4 + math.ceil(3.6 * widths))
+    return orders[0], orders[1], orders[2], orders[3]
+
+
+def _margins(outer: Aperture, inner: Aperture) -> tuple[float, float]:
+    """How far the mirror image of the outer aperture stays within the inner one; negative where it does not."""
+    x, y = np.meshgrid(outer.x_range, outer.y_range)
+    points = inner.mirror_points(outer.directions(x, y)[0])
+    margins = [
+        -math.inf if np.any(np.isnan(point)) else min(high - float(np.max(point)), float(np.min(point)) - low)
+        for point, (low, high) in zip(points, (inner.x_range, inner.y_range), strict=True)
+    ]
+    return margins[0], margins[1]
+
+
+def _half_widths(outer: Aperture, shape: LobeShape) -> tuple[float, float]:
+    """Half widths of the lobe on the plane of an aperture: twice the half vector's slope, and in projection across."""
+    cosine = math.cos(math.radians(min(outer.theta_deg, 89.9)))
+    return 2 * shape.in_plane, 2 * shape.across * cosine
+
+
+def _offsets(inner: Aperture, half: float, shape: LobeShape) -> list[float]:
+    """Distances of the panels' edges from the mirror point, ascending, none wider than any aperture needs."""
+    if not math.isfinite(half):
+        return []
+    reach = shape.reach * _ROUNDING if math.isfinite(shape.reach) else _PANEL_WITHOUT_REACH
+    diameter = sum(hi - lo for lo, hi in (inner.x_range, inner.y_range))
+    offsets = [reach * half]
+    while offsets[-1] < diameter:
+        offsets.append(offsets[-1] * _GROWTH)
+    return offsets[:-1] if len(offsets) > 1 else []
+
+
+@lru_cache(maxsize=128)
+def _cached_nodes(outer: Aperture, inner: Aperture, shape: LobeShape, orders: Orders) -> Nodes:
+    return _nodes(outer, inner, shape, orders)
+
+
+def _nodes(outer: Aperture, inner: Aperture, shape: LobeShape, orders: Orders) -> Nodes:
+    x, weight_x = _rule(np.array([outer.x_range]), orders[0], squared=outer.touches_horizon)
+    y, weight_y = _rule(np.array([outer.y_range]), orders[1], squared=False)
+    directions, density = outer.directions(x[0][:, None], y[0][None, :])
+    outer_weight = (weight_x[0][:, None] * weight_y[0][None, :] * density).ravel()
+    directions = directions.reshape(-1, 3)
+
+    points = inner.mirror_points(directions)
+    ranges = (inner.x_range, inner.y_range)
+    within = all(np.all((p >= lo) & (p <= hi)) for p, (lo, hi) in zip(points, ranges, strict=True))
+    rules = []
+    for point, extent, half, order, squared in zip(
+        points, ranges, _half_widths(outer, shape), orders[2:], (inner.touches_horizon, False), strict=True
+    ):
+        edges = _edges(point, extent, _offsets(inner, half, shape), over=within and math.isfinite(shape.reach))
+        rules.append(_rule(edges, order, squared=squared))
+    (x, weight_x), (y, weight_y) = rules
+    exitant, density = inner.directions(x[:, :, None], y[:, None, :])
+    weight = (weight_x[:, :, None] * weight_y[:, None, :] * density).reshape(len(directions), -1)
+    weight = weight * outer_weight[:, None] / (_size(outer) * _size(inner))
+    nodes = Nodes(directions[:, None, :], exitant.reshape(len(directions), -1, 3), weight)
+    for array in (nodes.outer, nodes.inner, nodes.weight):
+        array.flags.writeable = False
+    return nodes
+
+
+def _size(aperture: Aperture) -> float:
+    """Integral of the rules' own weights: solid angle, or what is left of it in the limit of zero width."""
+    if aperture.solid_angle > 0 and aperture.width_in_plane_deg > 0 and aperture.width_across_deg > 0:
+        return aperture.solid_angle
+    # A line: its length against d x / (1 + x²)^(3/2), whose integral is x / sqrt(1 + x²); a point: one.
+    lengths = [
+        hi / math.sqrt(1 + hi * hi) - lo / math.sqrt(1 + lo * lo)
+        for lo, hi in (aperture.x_range, aperture.y_range)
+        if hi > lo
+    ]
+    return math.prod(lengths)
+
+
+def _edges(point: FloatArray, extent: tuple[float, float], offsets: list[float], *, over: bool) -> FloatArray:
+    """Edges of the panels about each mirror point, shape (n, panels + 1), ascending; panels without length stay."""
+    low, high = extent
+    about = np.where(np.isfinite(point), point, high)[:, None]
+    near = np.array(offsets)
+    if over and offsets:  # what lies beyond the lobe's reach is a billionth of what lies within
+        return np.clip(about + np.array([-near[0], near[0]]), low, high)
+    inside = np.clip(about + np.concatenate([-near[::-1], near]), low, high)
+    inside = inside[:, np.any((inside > low) & (inside < high), axis=0)]
+    ends = np.broadcast_to([low, high], (len(point), 2))
+    return np.concatenate([ends[:, :1], inside, ends[:, 1:]], axis=1)
+
+
+def _rule(edges: FloatArray, order: int, *, squared: bool) -> tuple[FloatArray, FloatArray]:
+    """Points and weights (n, panels * order) on panels with the given edges; one point of weight one without length.
+
+    With `squared`, the variable is the root of the distance from the last edge.
+    """
+    last = edges[:, -1:]
+    if np.all(last == edges[:, :1]):
+        return edges[:, :1].copy(), np.ones_like(last)
+    points, weights = _gauss_legendre(order)
+    bounds = np.sqrt(np.maximum(last - edges, 0.0)) if squared else edges
+    middle, half = (bounds[:, 1:] + bounds[:, :-1]) / 2, (bounds[:, 1:] - bounds[:, :-1]) / 2
+    at = (middle[:, :, None] + half[:, :, None] * points).reshape(len(edges), -1)
+    weight = (half[:, :, None] * weights).reshape(len(edges), -1)
+    return (last - at * at, -2 * at * weight) if squared else (at, weight)
+
+
+@lru_cache(maxsize=256)
+def _gauss_legendre(order: int) -> tuple[FloatArray, FloatArray]:
+    points, weights = np.polynomial.legendre.leggauss(order)
+    return points, weights
