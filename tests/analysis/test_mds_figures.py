@@ -16,6 +16,7 @@ from gloss_analysis.figures import (
     save_mds_figures,
 )
 from gloss_analysis.figures.labels import levels_of
+from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from gloss_analysis.judgements.judgement_table import read_table
 from gloss_analysis.mds import scale
 from glossspace.errors import GlossError
@@ -199,6 +200,12 @@ def test_shepard_diagrams_show_all_judgements_of_each_participant(m):
         assert left <= expected[:, 0].min() <= expected[:, 0].max() <= right
         if m > 1:
             assert (axes.get_title(), axes.title.get_parse_math()) == (f"${k}$", False)
+
+
+def test_judgements_at_the_end_of_floating_point_are_not_drawn():
+    data = Dissimilarities(("a", "b", "c", "d"), ("1",), np.array([[1e308, 2e307, 3e307, 5e307, 1e307, 8e307]]))
+    with pytest.raises(GlossError, match=r"Judgements up to 1e\+308 cannot be drawn.* Divide them all by one number"):
+        draw_shepard(scale(data, n_dims=2, model="identity", level="ratio"))
 
 
 def test_shepard_diagrams_share_an_axis_only_for_like_scales():

@@ -18,6 +18,7 @@ __all__ = ["draw_shepard", "draw_stress_curve", "draw_stress_per_point"]
 
 _LARGEST_INCHES = 30.0
 _GREEN = "#009E73"
+_LARGEST_DRAWN = 1e300
 
 
 def draw_stress_curve(
@@ -86,7 +87,18 @@ def draw_shepard(solution: MdsSolution) -> "Figure":
     Returns
     -------
     Figure
+
+    Raises
+    ------
+    GlossError
+        A judgement is above 1e300, where matplotlib cannot compute the ticks of an axis.
     """
+    largest = float(np.nanmax(solution.dissimilarities, initial=0.0))
+    if largest > _LARGEST_DRAWN:
+        raise GlossError(
+            f"Judgements up to {largest:g} cannot be drawn, on an axis up to {_LARGEST_DRAWN:g}. Divide them all by one "
+            "number: the scaling stays the same."
+        )
     m = len(solution.participants)
     n_columns = int(np.ceil(np.sqrt(m)))
     n_rows = -(-m // n_columns)
