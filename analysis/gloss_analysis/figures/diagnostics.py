@@ -96,8 +96,8 @@ def draw_shepard(solution: MdsSolution) -> "Figure":
     largest = float(np.nanmax(solution.dissimilarities, initial=0.0))
     if largest > _LARGEST_DRAWN:
         raise GlossError(
-            f"Judgements up to {largest:g} cannot be drawn, on an axis up to {_LARGEST_DRAWN:g}. Divide them all by one "
-            "number: the scaling stays the same."
+            f"Judgements up to {largest:g} cannot be drawn, on an axis up to {_LARGEST_DRAWN:g}. Divide them all by "
+            "one number: the scaling stays the same."
         )
     m = len(solution.participants)
     n_columns = int(np.ceil(np.sqrt(m)))
