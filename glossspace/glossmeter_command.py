@@ -103,8 +103,8 @@ def invert(
     alpha: FiniteNumber | None = None,
     scale: FiniteNumber | None = None,
     slope: FiniteNumber | None = None,
-    n: FiniteNumber = 1.5,
-    k: FiniteNumber = 0.0,
+    n: FiniteNumber | None = None,
+    k: FiniteNumber | None = None,
     tolerance: FiniteNumber = 0.5,
     json: JsonFlag = False,
 ) -> None:
@@ -143,9 +143,9 @@ def invert(
     slope
         Slope of its facets, if known.
     n
-        Index of refraction of Cook-Torrance.
+        Index of refraction of Cook-Torrance; 1.5 by default.
     k
-        Its extinction coefficient.
+        Its extinction coefficient; 0 by default.
     tolerance
         Gloss units within which readings count as alike.
     """
@@ -156,11 +156,14 @@ def invert(
     readings = {angle: value for angle, value in ((20, gu20), (60, gu60), (85, gu85)) if value is not None}
     if not readings:
         raise GlossError("Give one to three readings: --gu20, --gu60, --gu85.")
-    family, material = lobe_family(brdf), Material(rho_d, n, k)
+    family = lobe_family(brdf)
+    material = Material(rho_d, 1.5 if n is None else n, 0.0 if k is None else k)
     known = {"rho_s": rho_s, "alpha": alpha, "scale": scale, "slope": slope}
     foreign = [name for name, value in known.items() if value is not None and name not in _own(family)]
     if foreign:
         raise GlossError(f"--brdf {brdf} has no --{foreign[0].replace('_', '-')}: it has {' and '.join(_own(family))}.")
+    if brdf == "ward" and (n is not None or k is not None):
+        raise GlossError(f"--brdf ward has no {'--k' if n is None else '--n'}: it has rho_s and alpha.")
     amplitude, roughness = known[family.amplitude], known[family.roughness]
     if brdf == "ward":
         alike = alike_appearances(readings, rho_d=rho_d, tolerance_gu=tolerance)
@@ -187,6 +190,8 @@ def invert(
         note(
             f"One reading does not tell both {family.amplitude} and {family.roughness}: only what reads alike is given."
         )
+    if alike.empty:
+        note(f"Note: no {brdf} lobe of the table reads so within {tolerance:g} gloss units.")
     result["alike"] = alike.to_dict(orient="records")
     if json:
         print_json(result)

@@ -172,7 +172,7 @@ def spectrum(
     brdf
         ward, cook-torrance, beckmann, ggx or lambert.
     index
-        Table of n and k by wavelength for cook-torrance and beckmann, instead of --n and --k:
+        Table of n and k by wavelength for cook-torrance, beckmann and ggx, instead of --n and --k:
         copper_johnson_christy_1972 or copper_hagemann_1974.
     incident
         Angle of the source from the normal, degrees.
@@ -245,6 +245,8 @@ def spectrum(
 def _check_targets(out: Path | None, figure: Path | None) -> None:
     if figure is not None and figure.suffix.lower() not in _FIGURE_SUFFIXES:
         raise GlossError(f"Invalid figure '{figure}'. Allowed: a file name that ends in {', '.join(_FIGURE_SUFFIXES)}.")
+    if out is not None and figure is not None and out.resolve() == figure.resolve():
+        raise GlossError(f"--out and --figure are both '{out}': one would replace the other. Name two files.")
     for path in (out, figure):
         if path is not None:
             check_file_target(path)

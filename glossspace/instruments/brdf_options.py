@@ -45,6 +45,8 @@ def named_brdf(brdf: str, **given: Any) -> ReflectanceModel:
     if brdf == "lambert":
         return Lambert(rho_d)
     if brdf == "ggx":
+        if "k" in values and "n" not in values:
+            raise GlossError("--brdf ggx needs --n beside --k: without an index its facets reflect --rho-s.")
         lobe: ReflectanceModel = Ggx(**values)
     elif brdf == "ward":
         lobe = Ward(**values)

@@ -191,6 +191,8 @@ def _amplitude_bounds(kind: Family, material: Material, amplitude: float | None)
     if not (np.isfinite(material.rho_d) and 0 <= material.rho_d <= 1):
         raise GlossError(f"Invalid rho_d = {material.rho_d!r}. Allowed: 0 to 1.")
     most = kind.most(material)
+    if most <= 0:
+        raise GlossError(f"rho_d = {material.rho_d:g} leaves no {kind.amplitude} for a lobe. Lower rho_d.")
     if amplitude is None:
         return 0.0, most
     if not (np.isfinite(amplitude) and 0 < amplitude <= most + 1e-12):
@@ -200,6 +202,8 @@ def _amplitude_bounds(kind: Family, material: Material, amplitude: float | None)
 
 def _table(kind: Family, material: Material, angles: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
     tables = [unit_readings(kind.name, angle, material.n, material.k) for angle in angles]
+    if not any(np.any(table[1] > 0) for table in tables):
+        raise GlossError(f"n = {material.n:g} and k = {material.k:g} reflect nothing. Choose another n or k.")
     return tables[0][0], np.maximum(np.stack([table[1] for table in tables]), 1e-300)
 
 
@@ -262,7 +266,13 @@ def _minima(
         units = np.array([_units(kind, material, angle, float(np.exp(log_roughness))) for angle in angles])
         return float(np.sum((_best_amplitude(units, target, bounds) * units - target) ** 2))
 
-    errors = np.sum((_best_amplitude(table, target, bounds) * table - target[:, None]) ** 2, axis=0)
+    amplitudes = _best_amplitude(table, target, bounds)
+    if not np.any(amplitudes > 0):  # every roughness is then as good as any other
+        raise GlossError(
+            "The readings are no higher than those of the diffuse part alone: there is no lobe whose "
+            f"{kind.roughness} could be found. Lower rho_d, or give {kind.amplitude}."
+        )
+    errors = np.sum((amplitudes * table - target[:, None]) ** 2, axis=0)
     padded = np.concatenate([[np.inf], errors, [np.inf]])
     lowest = np.flatnonzero((errors <= padded[:-2]) & (errors <= padded[2:]))
     best = errors[lowest].min()

@@ -55,6 +55,7 @@ class TestGlossmeter:
             ("--brdf ward --rho-s 1", "--brdf ward needs --alpha. Its options are"),
             ("--brdf ward --rho-s 1 --alpha .1 --n 1.5", "--brdf ward has no --n."),
             ("--brdf ward --rho-s 1 --alpha nan", "Must be a finite number"),
+            ("--brdf ggx --alpha .1 --k 2", "--brdf ggx needs --n beside --k"),
             ("--brdf ward --rho-s 2 --alpha .1", "Invalid rho_s = 2.0"),
             ("--brdf lambert --rho-d .5 --reading iso", "Invalid --reading 'iso'. Allowed: physical, table2"),
         ],
@@ -160,3 +161,33 @@ class TestGonio:
         code, out, err = gloss("gonio", *words.split())
         assert (code, out) == (2, "")
         assert message in err
+
+
+class TestWhatIsLeftOpen:
+    @pytest.mark.parametrize(
+        ("words", "message"),
+        [
+            ("--gu60 10 --n 3", "--brdf ward has no --n"),
+            ("--gu60 10 --k 1", "--brdf ward has no --k"),
+            ("--gu60 10 --gu20 1 --rho-d 1", "leaves no rho_s for a lobe"),
+            ("--gu20 0 --gu60 0 --gu85 0", "no higher than those of the diffuse part"),
+            ("--gu20 1 --gu60 2 --brdf beckmann --n 1", "n = 1 and k = 0 reflect nothing"),
+        ],
+    )
+    def test_inversion_without_an_answer_is_refused(self, gloss, words, message):
+        code, out, err = gloss("glossmeter", "invert", *said(words), "--json")
+        assert (code, out, len(err.splitlines())) == (2, "", 1)
+        assert message in err
+
+    def test_a_reading_of_no_lobe_is_remarked(self, gloss):
+        code, out, err = gloss(*said("glossmeter invert --gu60 1e9 --json"))
+        assert (code, json.loads(out)["alike"]) == (0, [])
+        assert "no ward lobe of the table reads so" in err
+
+    def test_one_file_for_table_and_figure_is_refused(self, gloss, tmp_path):
+        both = str(tmp_path / "scan.png")
+        words = said("gonio scan --brdf lambert --rho-d .5 --incident 45")
+        code, _, err = gloss(*words, "--out", both, "--figure", both)
+        assert code == 2
+        assert "one would replace the other" in err
+        assert not list(tmp_path.iterdir())
