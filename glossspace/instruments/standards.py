@@ -18,7 +18,6 @@ from glossspace.metric.validity import FloatArray, as_floats
 __all__ = [
     "BLACK_GLASS_INDEX",
     "GLOSS_ANGLES_DEG",
-    "SODIUM_NM",
     "GlossmeterGeometry",
     "glossmeter_geometry",
     "illuminant_spectrum",
@@ -28,9 +27,6 @@ __all__ = [
 
 BLACK_GLASS_INDEX = 1.567
 """Index of refraction of the primary standard, which reads 100 at every angle."""
-
-SODIUM_NM = 589.26
-"""The one wavelength, in nm, of the glossmeter paper's readings."""
 
 _SOURCE_WIDTHS_DEG = (0.75, 2.5)
 _DETECTOR_WIDTHS_DEG = {20: (1.8, 3.6), 60: (4.4, 11.7), 85: (4.0, 6.0)}

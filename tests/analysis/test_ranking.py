@@ -155,6 +155,7 @@ def test_without_contours_this_is_said():
     study = study_ranking(simulated_rankings(3), order)
     assert study.contours is None
     assert study.sentences[-1].startswith("No two stimuli lie on one isogloss contour")
+    assert "nearest two differ by 0.01 in their distance" in study.sentences[-1]  # the steps of `order`
 
 
 def test_the_seed_decides():

@@ -1,15 +1,13 @@
 """Measured on pictures whose answer is known: checks mirrored by an independent tracer, ideally or through a lobe."""
 
-import csv
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from gloss_stimuli.measurements import COLUMNS, PatchGeometry, find_patches, measure, write_measurements
+from gloss_stimuli.measurements import COLUMNS, PatchGeometry, find_patches, measure
 from gloss_stimuli.mirror import Check
 from gloss_stimuli.mirrored_checks import _is_disturbed
 from gloss_stimuli.scene import Film, Scene, read_scene
@@ -376,28 +374,3 @@ def test_where_nothing_can_be_measured_every_cell_is_none(patches: PatchGeometry
 def test_images_of_another_film_are_refused(patches: PatchGeometry) -> None:
     with pytest.raises(ValueError, match=r"found for images of \(512, 512\), but the luminance is of \(4, 4\)"):
         measure(patches, GLOSSY, np.ones((4, 4)), np.ones((512, 512)), tone=TONE, display=DISPLAY)
-
-
-# The file
-
-
-def test_rows_come_back_and_what_does_not_exist_is_empty(tmp_path: Path) -> None:
-    rows = [dict.fromkeys(COLUMNS), dict.fromkeys(COLUMNS, 1 / 3)]
-    rows[0]["stimulus"], rows[1]["stimulus"] = "a", "b"
-    write_measurements(tmp_path / "measurements.csv", rows)
-    with (tmp_path / "measurements.csv").open(encoding="utf-8", newline="") as file:
-        empty, full = csv.DictReader(file)
-    assert empty == {"stimulus": "a"} | {name: "" for name in COLUMNS if name != "stimulus"}
-    assert full == {"stimulus": "b"} | {name: "0.3333333" for name in COLUMNS if name != "stimulus"}
-
-
-def test_a_value_that_is_not_finite_is_not_written(tmp_path: Path) -> None:
-    row = {**dict.fromkeys(COLUMNS), "scene_luminance_ratio": math.nan}
-    with pytest.raises(FloatingPointError, match="scene_luminance_ratio is nan; what does not exist must be None"):
-        write_measurements(tmp_path / "measurements.csv", [row])
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_row_of_other_columns_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="have other columns than stimulus, .*: stimulus, c"):
-        write_measurements(tmp_path / "measurements.csv", [{"stimulus": "a", "c": 1.0}])

@@ -45,12 +45,16 @@ def ranking_sentences(study: "RankingStudy", *, n_complete: int) -> tuple[str, .
             f"Concordance of {n_complete} participants: Kendall's W = {study.concordance:.2f} "
             f"(p = {study.concordance_p:.2g}): {finding}."
         )
-    return (*said, *_of_contours(study.contours))
+    return (*said, *_of_contours(study.contours, study.stimuli["distance"].to_numpy()))
 
 
-def _of_contours(contours: "Contours | None") -> tuple[str, ...]:
+def _of_contours(contours: "Contours | None", distances: np.ndarray) -> tuple[str, ...]:
     if contours is None:
-        return ("No two stimuli lie on one isogloss contour, or all do: ranks along a contour cannot be compared.",)
+        nearest = float(np.diff(np.sort(distances)).min())
+        return (
+            "No two stimuli lie on one isogloss contour, or all do: ranks along a contour cannot be compared. The "
+            f"nearest two differ by {nearest:.2g} in their distance; a larger tolerance takes such for one contour.",
+        )
     counted = "1 pair" if contours.n_pairs == 1 else f"{contours.n_pairs} pairs"
     finding = "got similar ranks" if contours.p_value < _SURE else "did not demonstrably get more similar ranks"
     similar = (

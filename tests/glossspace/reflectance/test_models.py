@@ -234,7 +234,7 @@ def test_bad_input_is_refused(make, message):
 
 
 def test_a_model_is_not_added_to_a_number():
-    with pytest.raises(TypeError):
+    with pytest.raises(TypeError, match=r"unsupported operand type\(s\) for \+: 'Lambert' and 'float'"):
         Lambert(0.1) + 0.2  # type: ignore[operator]
 
 
