@@ -1,8 +1,17 @@
-"""What all tests share: a cache of rendering results that is theirs alone, and gone with them."""
+"""What all tests share: a cache of rendering results that is theirs alone, and gone with them; how properties are tried.
+
+`make test` tries the same examples of every property each time, so that a commit passes or fails for good. To look for
+new ones: `pytest --hypothesis-profile explore`, which draws others, and more, at every run.
+"""
 
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import settings
+
+settings.register_profile("repeatable", derandomize=True, deadline=None)  # a first example may compile
+settings.register_profile("explore", max_examples=1000, deadline=None)
+settings.load_profile("repeatable")
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -1,13 +1,8 @@
 """Shared by the tests of the core."""
 
 import pytest
-from hypothesis import settings
 
 from glossspace import cli
-
-# A first call imports colour-science, and machines that test share their cores: no time limit for one example.
-settings.register_profile("glossspace", deadline=None)
-settings.load_profile("glossspace")
 
 
 @pytest.fixture
