@@ -11,6 +11,9 @@ from glossspace.errors import GlossError
 
 __all__ = ["glossmeter"]
 
+# Relative error of a reading above which it is said: no glossmeter is nearer.
+_SURE = 1e-4
+
 glossmeter = App(
     name="glossmeter",
     help="Read a reflectance model with the glossmeter of ISO 2813, or find the parameters that give a reading.",
@@ -85,6 +88,8 @@ def read(
         result |= _gloss_space(rho_d or 0.0, rho_s, alpha)
     if not found.conserves_energy:
         note("Note: this sample reflects more than it receives (an albedo above 1): no real one does.")
+    if found.relative_error > _SURE:
+        note(f"Note: the quadrature is sure of these readings to {100 * found.relative_error:.2g} % only.")
     if json:
         print_json(result)
     else:
@@ -208,8 +213,9 @@ def _own(family: Any) -> tuple[str, str]:
 
 def _gloss_space(rho_d: float, rho_s: Any, alpha: Any) -> dict[str, Any]:
     """Coordinates of the gloss space for Ward's paint, unless it reflects more than it receives."""
-    from glossspace.metric import PAPER_SPACE, Paint
+    from glossspace.metric import PAPER_SPACE, Paint, within_paper_range
 
     if rho_d + rho_s > 1:
         return {}
-    return PAPER_SPACE.appearance(Paint(rho_d, rho_s, alpha))._asdict()
+    appearance = PAPER_SPACE.appearance(Paint(rho_d, rho_s, alpha))._asdict()
+    return appearance | {"within_paper_range": bool(within_paper_range(alpha))}

@@ -1,4 +1,4 @@
-"""What all tests share: a cache of rendering results that is theirs alone, and gone with them; how properties are tried.
+"""What all tests share: a cache of rendering results that is theirs alone, and how properties are tried.
 
 `make test` tries the same examples of every property each time, so that a commit passes or fails for good. To look for
 new ones: `pytest --hypothesis-profile explore`, which draws others, and more, at every run.

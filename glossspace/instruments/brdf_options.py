@@ -6,9 +6,8 @@ from glossspace.errors import GlossError
 from glossspace.reflectance import CookTorrance, Ggx, Lambert, Ward
 from glossspace.reflectance.model import ReflectanceModel
 
-__all__ = ["BRDFS", "named_brdf", "require_one_of"]
+__all__ = ["BRDFS", "brdf_parameters", "named_brdf", "require_one_of"]
 
-# Parameters of each, and whether it must be given.
 _PARAMETERS = {
     "lambert": {"rho_d": True},
     "ward": {"rho_d": False, "rho_s": True, "alpha": True, "alpha_y": False, "normalisation": False},
@@ -18,6 +17,23 @@ _PARAMETERS = {
 }
 
 BRDFS = tuple(_PARAMETERS)
+
+
+def brdf_parameters(brdf: str) -> dict[str, bool]:
+    """Parameters of a model by its name on the command line, and whether each must be given.
+
+    Raises
+    ------
+    GlossError
+        The model is unknown.
+
+    Examples
+    --------
+    >>> brdf_parameters("lambert")
+    {'rho_d': True}
+    """
+    require_one_of(brdf, BRDFS, option="--brdf")
+    return _PARAMETERS[brdf]
 
 
 def named_brdf(brdf: str, **given: Any) -> ReflectanceModel:
@@ -33,8 +49,7 @@ def named_brdf(brdf: str, **given: Any) -> ReflectanceModel:
     >>> named_brdf("ward", rho_s=0.1, alpha=0.05, rho_d=None).channels is None
     True
     """
-    require_one_of(brdf, BRDFS, option="--brdf")
-    known = _PARAMETERS[brdf]
+    known = brdf_parameters(brdf)
     values = {name: value for name, value in given.items() if value is not None}
     missing = [_option(name) for name, needed in known.items() if needed and name not in values]
     foreign = [_option(name) for name in values if name not in known]

@@ -45,6 +45,9 @@ class GlossReading:
         Whether no albedo is above one.
     reading : str
         ``physical`` or ``table2``.
+    relative_error : float
+        Largest estimated relative error of the physical reading's quadrature; zero for table2, which is what its
+        patches give.
     """
 
     gu20: FloatArray
@@ -55,6 +58,7 @@ class GlossReading:
     albedo85: FloatArray
     conserves_energy: FloatArray
     reading: str
+    relative_error: float
 
     @property
     def haze(self) -> FloatArray:
@@ -101,16 +105,22 @@ def gloss_units(
     >>> round(float(gloss_units(Ward(1.0, 0.11), 60)), 3)
     78.149
     """
+    units, _ = _units_and_error(model, angle_deg, reading=reading, relative_tolerance=relative_tolerance)
+    return units[()] if wavelengths_nm is None else photopic_mean(units, wavelengths_nm)
+
+
+def _units_and_error(
+    model: ReflectanceModel, angle_deg: float, *, reading: str, relative_tolerance: float = 1e-6
+) -> tuple[FloatArray, float]:
+    """Gloss units of every channel, and the estimated relative error of the worst."""
     if reading not in READINGS:
         raise GlossError(f"Unknown reading {reading!r}. Allowed: {', '.join(READINGS)}.")
     if reading == "table2":
-        units = midpoint_gloss_units(model, angle_deg)
-    else:
-        geometry = glossmeter_geometry(angle_deg)
-        found = mean_over_apertures(model, geometry.source, geometry.detector, relative_tolerance=relative_tolerance)
-        standard = _mean_reflected(geometry.source, BLACK_GLASS_INDEX, 0.0)
-        units = 100 * found.value * geometry.detector.solid_angle / standard
-    return units[()] if wavelengths_nm is None else photopic_mean(units, wavelengths_nm)
+        return midpoint_gloss_units(model, angle_deg), 0.0
+    geometry = glossmeter_geometry(angle_deg)
+    found = mean_over_apertures(model, geometry.source, geometry.detector, relative_tolerance=relative_tolerance)
+    standard = _mean_reflected(geometry.source, BLACK_GLASS_INDEX, 0.0)
+    return 100 * found.value * geometry.detector.solid_angle / standard, found.relative_error
 
 
 def gloss_reading(
@@ -130,7 +140,8 @@ def gloss_reading(
     >>> round(float(paint.gu60), 1), bool(paint.conserves_energy)
     (10.6, False)
     """
-    units = [gloss_units(model, angle, reading=reading, wavelengths_nm=wavelengths_nm) for angle in GLOSS_ANGLES_DEG]
+    found = [_units_and_error(model, angle, reading=reading) for angle in GLOSS_ANGLES_DEG]
+    units = [value[()] if wavelengths_nm is None else photopic_mean(value, wavelengths_nm) for value, _ in found]
     albedos = [np.asarray(model.albedo(float(angle))) for angle in GLOSS_ANGLES_DEG]
     conserved = np.all([albedo <= 1 + 1e-9 for albedo in albedos], axis=0)  # the albedo's own quadrature rounds
     if wavelengths_nm is not None:
@@ -138,7 +149,8 @@ def gloss_reading(
         conserved = np.all(conserved)
     gu20, gu60, gu85 = units
     albedo20, albedo60, albedo85 = albedos
-    return GlossReading(gu20, gu60, gu85, albedo20, albedo60, albedo85, conserved, reading)
+    relative_error = max(error for _, error in found)
+    return GlossReading(gu20, gu60, gu85, albedo20, albedo60, albedo85, conserved, reading, relative_error)
 
 
 def mirror_gloss_units(angle_deg: float, *, n: ArrayLike, k: ArrayLike = 0.0) -> FloatArray:

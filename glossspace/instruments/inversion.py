@@ -22,6 +22,8 @@ from glossspace.metric.validity import FloatArray
 __all__ = ["Inversion", "LobeFit", "alike_parameters", "invert_gloss"]
 
 _EXACT_GU = 1e-4
+# Share of a step of the table that tells on which side of it the error falls.
+_INWARDS = 1e-2
 
 
 @dataclass(frozen=True)
@@ -280,6 +282,12 @@ def _minima(
     found = []
     for k in lowest[errors[lowest] <= 4 * best + 1.0]:
         around = logs[max(k - 1, 0)], logs[min(k + 1, len(grid) - 1)]
+        if k in (0, len(grid) - 1):
+            # The error rises from the end of the range inwards: no search, whose steps towards an end are many.
+            inwards = logs[k] + _INWARDS * (np.mean(around) - logs[k])
+            if squared_error(logs[k]) <= squared_error(inwards):
+                found.append(float(grid[k]))
+                continue
         done = minimize_scalar(squared_error, bounds=around, method="bounded", options={"xatol": 1e-9})
         found.append(float(np.exp(done.x)))
     return found

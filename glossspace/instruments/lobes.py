@@ -20,6 +20,9 @@ __all__ = ["LobeShape", "components", "lobe_shapes", "take_channels"]
 # From a hundredth of the narrowest roughness that is asked for, to a half vector at 40 degrees.
 _SLOPES = np.geomspace(1e-5, math.tan(math.radians(40)), 56)
 _OVER = 1e-9
+# A Gaussian is over after five widths. Beyond that many, what has fallen to a billionth may still hold a share that
+# counts, since the area grows: GGX has a hundred-thousandth of its light there.
+_LONGEST_REACH = 12.0
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,7 @@ def lobe_shapes(model: ReflectanceModel, theta_deg: float, phi_deg: float) -> li
         over = _first_slope_below(relative, _OVER, values[0] > 0)
         reaches.append(np.where(np.isfinite(over), over / np.where(np.isfinite(widths[-1]), widths[-1], 1.0), np.inf))
     reach = np.maximum(*reaches)
+    reach = np.where(reach > _LONGEST_REACH, np.inf, reach)
     rounded = np.stack([2.0 ** (np.floor(2 * np.log2(w)) / 2) for w in widths] + [np.ceil(2 * reach) / 2], axis=-1)
     if model.channels is None:
         return [(LobeShape(*rounded[0].tolist()), np.array([], dtype=int))]

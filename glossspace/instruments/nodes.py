@@ -21,9 +21,9 @@ __all__ = ["Nodes", "Orders", "first_orders", "make_nodes"]
 Orders = tuple[int, int, int, int]
 """Gauss–Legendre orders: along and across the outer aperture, along and across each panel of the inner one."""
 
-# A lobe without an end has panels that grow by this factor.
-_GROWTH = 5.0
-_PANEL_WITHOUT_REACH = 3.0
+# A lobe without an end has a first panel of its own width, where its poles are, and panels that grow by this factor.
+_GROWTH = 4.0
+_PANEL_WITHOUT_REACH = 1.0
 # Lobes of one shape differ by up to this factor, by which `LobeShape` rounds.
 _ROUNDING = math.sqrt(2)
 _CACHED_NODES = 4096
@@ -61,11 +61,15 @@ def first_orders(outer: Aperture, inner: Aperture, shape: LobeShape) -> Orders:
     halves = _half_widths(outer, shape)
     orders = []
     for extent, half, margin in zip((outer.x_range, outer.y_range), halves, _margins(outer, inner), strict=True):
-        # Where all of the lobe is within the inner aperture, whatever the node of the outer one, little varies.
-        widths = 0.8 if margin > shape.reach * half else min((extent[1] - extent[0]) / 2 / half, 3.0)
+        # Where all of the lobe is within the inner aperture, whatever the node of the outer one, little varies; and
+        # so where the edges that cut its tail are further than the outer aperture is wide.
+        width = (extent[1] - extent[0]) / 2
+        deep = margin > (shape.reach * half if math.isfinite(shape.reach) else max(width, 3 * half))
+        widths = 0.8 if deep else min(width / half, 3.0)
         orders.append(1 if extent[0] == extent[1] else 2 + math.ceil(2.5 * widths))
     for extent, half in zip((inner.x_range, inner.y_range), halves, strict=True):
-        widths = min((extent[1] - extent[0]) / 2 / half, 7.0)
+        widest = 7.0 if math.isfinite(shape.reach) else _PANEL_WITHOUT_REACH
+        widths = min((extent[1] - extent[0]) / 2 / half, widest)
         orders.append(1 if extent[0] == extent[1] else 4 + math.ceil(3.6 * widths))
     return orders[0], orders[1], orders[2], orders[3]
 

@@ -29,6 +29,17 @@ class TestGlossmeter:
         assert document["gu60"] == float(gloss_units(Ward(1.0, 0.11), 60))
         assert {"gu20", "gu60", "gu85", "albedo20", "albedo60", "albedo85", "haze"} <= set(document)
         assert document["d"] == pytest.approx(0.89)
+        assert document["within_paper_range"] is True
+        assert 0 <= document["relative_error"] <= 1e-6  # what the quadrature aims at
+
+    def test_a_roughness_beyond_the_papers_is_marked(self, result):
+        assert result(*said("glossmeter --brdf ward --rho-s .1 --alpha .25"))["within_paper_range"] is False
+
+    def test_a_reading_that_is_not_sure_says_so(self, gloss, monkeypatch):
+        monkeypatch.setattr("glossspace.instruments.quadrature._MOST_NODES", 0)  # gives up at once
+        code, _, err = gloss(*said("glossmeter --brdf ward --rho-s 1 --alpha .0001 --alpha-y .1"))
+        assert code == 0
+        assert "the quadrature is sure of these readings to 4 % only" in err
 
     def test_a_diffuse_part_is_read_too(self, result):
         document = result("glossmeter", "--brdf", "ward", "--rho-s", ".1", "--alpha", ".11", "--rho-d", ".5")
@@ -126,6 +137,12 @@ class TestGonio:
         points = result("gonio", "scan", *self.LOBE, *words)["points"]
         assert [point["azimuth_deg"] for point in points] == [0, 10, 20]
 
+    def test_spectrum_of_a_brushed_lobe(self, result):
+        words = said("gonio spectrum --brdf ward --rho-s .1 --alpha .1 --normalisation duer2006 --first 500 --last 510")
+        across = result(*words, "--alpha-y", ".05")["points"][0]["reflectance_factor"]
+        # in the mirror direction Dür's lobe is rho_s / (4π αx αy cosθi cosθr): twice as high at half the roughness
+        assert across / result(*words)["points"][0]["reflectance_factor"] == pytest.approx(2)
+
     def test_spectrum_of_copper(self, gloss, tmp_path):
         table, figure = tmp_path / "copper.csv", tmp_path / "copper.svg"
         words = said("gonio spectrum --brdf cook-torrance --scale 5.3 --slope .84 --index copper_hagemann_1974")
@@ -149,6 +166,7 @@ class TestGonio:
             ("scan --brdf lambert --rho-d .5 --incident 95", "Invalid theta_deg = 95.0"),
             ("scan --brdf lambert --rho-d .5 --incident 45 --figure a.txt", "Invalid figure 'a.txt'"),
             ("spectrum --brdf lambert --rho-d .5 --illuminant Q", "Unknown illuminant 'Q'"),
+            ("spectrum --brdf lambert --rho-d .5 --index copper_hagemann_1974", "--brdf lambert has no --index"),
             ("spectrum --brdf beckmann --slope .1 --n 1 --index copper_hagemann_1974", "either --index or --n and --k"),
             (
                 "spectrum --brdf beckmann --slope .1 --index copper_johnson_christy_1972 --first 100",
