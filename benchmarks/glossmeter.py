@@ -4,7 +4,7 @@
 
 Errors are relative to the same integral at a tolerance of 1e-10. The patches are n × n over source and detector, n⁴
 evaluations, as the two papers with virtual glossmeters cut their apertures, but in true angles, so that both methods
-tend to the same number.
+tend to the same number. That this number is right, `tests/glossspace/instruments/test_quadrature.py` shows by sampling.
 """
 
 import argparse
@@ -20,15 +20,16 @@ from glossspace.instruments.apertures import Aperture
 from glossspace.instruments.glossmeter import gloss_reading, gloss_units
 from glossspace.instruments.quadrature import mean_over_apertures
 from glossspace.instruments.standards import GLOSS_ANGLES_DEG, glossmeter_geometry
-from glossspace.reflectance import CookTorrance, Ward
+from glossspace.reflectance import CookTorrance, Ggx, Ward
 from glossspace.reflectance.model import ReflectanceModel
 
-ROUGHNESSES = (0.5, 0.2, 0.11, 0.05, 0.02, 0.01, 0.005, 0.002)
+ROUGHNESSES = (0.5, 0.2, 0.11, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
 PATCHES = (2, 4, 8, 16, 24)
 MODELS: dict[str, Callable[[float], ReflectanceModel]] = {
     "Ward": lambda width: Ward(1.0, width),
     "Cook-Torrance, paper": lambda width: CookTorrance(1.0, width, 1.5),
     "Cook-Torrance, Beckmann": lambda width: CookTorrance(1.0, width, 1.5, form="beckmann"),
+    "GGX": lambda width: Ggx(width, n=1.5),
 }
 
 

@@ -26,7 +26,7 @@ _GROWTH = 4.0
 _PANEL_WITHOUT_REACH = 1.0
 # Lobes of one shape differ by up to this factor, by which `LobeShape` rounds.
 _ROUNDING = math.sqrt(2)
-_CACHED_NODES = 4096
+_CACHED_NODES = 16_384  # half a megabyte each
 
 
 @dataclass(frozen=True, eq=False)
