@@ -4,6 +4,7 @@ import csv
 import json
 import re
 import sys
+import unicodedata
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from gloss_experiments import read_protocol, run_session
 from gloss_experiments.window.screen import open_screen
 from glossspace.errors import GlossError
 from tests.experiments.virtual_display import on_a_virtual_display
+from tests.experiments.window_texts import ARABIC, HEBREW
 
 DOI = read_protocol("doi")
 
@@ -126,6 +128,31 @@ def test_texts_that_do_not_fit_are_refused(small_set, tmp_path):
     for key, message in told.items():
         assert message is not None, key
         assert message.startswith(f"texts.{key} does not fit into the window of 1280 x 1024 pixels")
+
+
+def test_right_to_left_texts(small_set, tmp_path):
+    seen = on_a_virtual_display("window_program.py", "scripts", small_set, tmp_path)
+    lines = seen["he"]["lines"]
+    text = HEBREW * 10
+    assert len(lines) > 2
+    # Each line is seen from the right, its letters turned; so the first words stand in the first line.
+    assert lines[0].endswith(HEBREW[0][::-1])
+    assert [word[::-1] for line in lines if line for word in reversed(line.split())][: len(text)] == list(text)
+    # Letters of an Arabic word are joined: other signs, of the block of presentation forms.
+    first = seen["ar"]["lines"][0].split()[-1][::-1]
+    assert all("\ufe70" <= letter <= "\ufefc" for letter in first)
+    assert unicodedata.normalize("NFKC", first) == ARABIC[0]
+    for language in ("he", "ar"):
+        assert max(seen[language]["size"]) < 1280
+
+
+def test_a_font_that_cannot_write_the_texts_is_refused(small_set, tmp_path):
+    told = on_a_virtual_display("window_program.py", "fonts", small_set, tmp_path)
+    assert told["shipped"] is told["generic"] is None
+    assert told["japanese"].startswith("texts.font 'DejaVu Sans' has no sign for: 光 沢. Name an installed font")
+    assert "fc-list :charset=5149 family" in told["label"], "the first one, U+5149"
+    assert " …. Name" in told["many"]
+    assert told["elsewhere"].startswith("texts.font 'No Such Font' is not installed here")
 
 
 def test_without_psychopy_one_line_says_what_to_install(small_set, tmp_path, monkeypatch):

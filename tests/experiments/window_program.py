@@ -12,6 +12,7 @@ import numpy as np
 from framebuffer_watch import Watch, region
 from PIL import Image
 from real_hand import with_a_hand
+from window_texts import ARABIC, HEBREW
 
 from gloss_experiments import read_protocol, run_session
 from gloss_experiments.design import Trial
@@ -251,6 +252,46 @@ def overflow(stimuli, folder):
     return found
 
 
+def scripts(stimuli, folder):
+    """What a Hebrew and an Arabic text look like."""
+    stimulus_set = read_stimulus_set(stimuli)
+    images = {stimulus.name: stimulus_set.image_path(stimulus.name) for stimulus in stimulus_set.stimuli}
+    found = {}
+    for language, words in (("he", HEBREW), ("ar", ARABIC)):
+        texts = {"instructions": " ".join(words * 10), "progress": "{done} / {total}", "font": "DejaVu Sans"}
+        protocol = protocol_with("doi", texts=texts, display={"fullscreen": False})
+        with open_screen(protocol, images) as screen:
+            message = MessageScreen(screen._stage)
+            message.draw(start_session(_trials_of(images)))
+            Image.fromarray(screen._stage.framebuffer()).save(f"{folder}/{language}.png")
+            found[language] = {
+                "lines": message._message.text.split("\n"),
+                "size": list(message._message.boundingBox),
+            }
+    return found
+
+
+def fonts(stimuli, folder):
+    """What is said of fonts that are not here, or lack signs."""
+    stimulus_set = read_stimulus_set(stimuli)
+    images = {stimulus.name: stimulus_set.image_path(stimulus.name) for stimulus in stimulus_set.stimuli}
+    found = {}
+    for name, texts in {
+        "shipped": {},
+        "generic": {"font": "serif"},
+        "japanese": {"question": "光沢 100", "font": "DejaVu Sans"},
+        "label": {"finished": "光沢光沢", "font": "DejaVu Sans"},
+        "many": {"question": "".join(map(chr, range(0x4E00, 0x4E20)))},
+        "elsewhere": {"font": "No Such Font"},
+    }.items():
+        try:
+            with open_screen(protocol_with("doi", texts=texts, display={"fullscreen": False}), images):
+                found[name] = None
+        except GlossError as error:
+            found[name] = str(error)
+    return found
+
+
 def _trials_of(images):
     return tuple(Trial(i, 1, 1, (name,)) for i, name in enumerate(images, start=1))
 
@@ -262,6 +303,8 @@ PROGRAMS = {
     "limits": limits,
     "overview": overview,
     "overflow": overflow,
+    "scripts": scripts,
+    "fonts": fonts,
 }
 
 if __name__ == "__main__":

@@ -46,7 +46,7 @@ class MessageScreen:
         texts = self._texts
         for key in ("practice_done", "pause", "time_up", "quit_question", "finished", "instructions"):
             text = getattr(texts, key)
-            self._message.text = f"{text}\n\n{texts.start}" if key == "instructions" else text
+            self._stage.write(self._message, f"{text}\n\n{texts.start}" if key == "instructions" else text)
             self._stage.refuse_overflow(self._message, f"texts.{key}")
 
     def event(self, state: SessionState) -> Event | None:
@@ -69,7 +69,7 @@ class MessageScreen:
 
         It waits for the space bar: trials that pass while nobody is there would be lost.
         """
-        self._message.text = self._texts.time_up
+        self._stage.write(self._message, self._texts.time_up)
         self._stage.begin_anew()
         while True:
             self._message.draw()
@@ -106,7 +106,7 @@ class MessageScreen:
             Phase.READY: f"{texts.instructions}\n\n{texts.start}",
             Phase.PRACTICE_DONE: texts.practice_done,
         }
-        self._message.text = message.get(state.phase, texts.finished)
+        self._stage.write(self._message, message.get(state.phase, texts.finished))
         self._message.draw()
 
     def _rest_left_s(self) -> float:
@@ -116,17 +116,17 @@ class MessageScreen:
         # The last paragraph says how to go on: it comes once the rest is over.
         rest, _, _ = self._texts.pause.rpartition("\n\n")
         left_s = self._rest_left_s()
-        self._pause.text = self._texts.pause if left_s <= 0 or not rest else rest
+        self._stage.write(self._pause, self._texts.pause if left_s <= 0 or not rest else rest)
         self._pause.draw()
         if left_s > 0:
-            self._countdown.text = minutes_and_seconds(left_s)
+            self._stage.write(self._countdown, minutes_and_seconds(left_s))
             self._countdown.draw()
         done, total = state.progress
         self._bar.draw()
         width = max(2, round(PROGRESS_WIDTH_PX * done / total))
         self._done_bar.width, self._done_bar.pos = width, ((width - PROGRESS_WIDTH_PX) / 2, self._bar.pos[1])
         self._done_bar.draw()
-        self._progress.text = self._texts.progress.format(done=done, total=total)
+        self._stage.write(self._progress, self._texts.progress.format(done=done, total=total))
         self._progress.draw()
 
     def summary_page(self, lines: Sequence[str]) -> Any:

@@ -12,6 +12,7 @@ from gloss_experiments.window.frames import FrameRecorder
 from gloss_experiments.window.pointer import LeftButton, Pointer, ScriptedPointer
 from gloss_experiments.window.trial_clock import TrialClock
 from gloss_experiments.window.window import own_fonts
+from gloss_experiments.window.writing import language_style, protocol_texts, require_font, written
 from glossspace.errors import GlossError
 
 __all__ = ["BUTTON_GRAY", "FAINT_GRAY", "LINE_GRAY", "MARKER_GRAY", "TEXT_GRAY", "Stage"]
@@ -22,6 +23,8 @@ LINE_GRAY = -0.3
 MARKER_GRAY = 0.5
 FAINT_GRAY = -0.6
 BUTTON_GRAY = -0.8
+# Share of the window's width that a text may take.
+_WIDEST = 0.8
 
 
 class Stage:
@@ -39,6 +42,11 @@ class Stage:
         What the lower edge of every screen says, such as that a session is a pilot.
     frames
         Where the frames are recorded.
+
+    Raises
+    ------
+    GlossError
+        The protocol's font is not here, or lacks signs of its texts.
     """
 
     def __init__(
@@ -50,6 +58,8 @@ class Stage:
         self._event, self._wait = event, core.wait
         self.size = (int(window.size[0]), int(window.size[1]))
         self.line_px = 2 * round(0.8 * protocol.texts.size_px)
+        require_font(window, protocol)
+        self._style = language_style(protocol_texts(protocol))
         self.script = ScriptedPointer() if simulated else None
         self.pointer: Pointer = self.script or event.Mouse(visible=True, win=window)
         self.left_button = LeftButton(self.pointer)
@@ -80,9 +90,9 @@ class Stage:
         from psychopy import visual
 
         texts = self.protocol.texts
-        return visual.TextStim(
+        stim = visual.TextStim(
             self.window,
-            text=text,
+            text="",
             pos=place,
             units="pix",
             height=scale * texts.size_px,
@@ -93,8 +103,16 @@ class Stage:
             anchorHoriz=anchor,
             anchorVert=vertical,
             alignText=anchor,
-            wrapWidth=0.8 * self.size[0],
+            wrapWidth=_WIDEST * self.size[0],
+            languageStyle=self._style,
         )
+        self.write(stim, text)
+        return stim
+
+    def write(self, stim: Any, text: str) -> None:
+        """Let a text of this stage say something else."""
+        width_px = _WIDEST * self.size[0]
+        stim.text = written(text, font=self.protocol.texts.font, height_px=stim.height, width_px=width_px)
 
     def refuse_overflow(self, text: Any, key: str) -> None:
         """Refuse a centred text that goes beyond the window.
