@@ -58,10 +58,11 @@ def fresnel_reflectance(cos_theta: ArrayLike, n: ArrayLike, k: ArrayLike = 0.0) 
     index = n + 1j * k
     nothing = index == 1
     index = np.where(nothing, 2.0, index)  # where it would be 0/0 at grazing; the last line has the answer
-    # Factored, so that an index near one keeps its digits.
-    s = np.sqrt((index - 1) * (index + 1) + u * u)
+    # Factored, and s − u as this over s + u, so that an index near one keeps its digits.
+    step = (index - 1) * (index + 1)
+    s = np.sqrt(step + u * u)
     with np.errstate(invalid="ignore"):  # NaN in, NaN out
-        perpendicular = np.abs((s - u) / (s + u)) ** 2
+        perpendicular = np.abs(step / (s + u) ** 2) ** 2
         ratio = np.abs((s * u - sin2) / (s * u + sin2)) ** 2
     reflectance = np.minimum(0.5 * perpendicular * (1 + ratio), 1.0)
     return np.where(nothing & ~np.isnan(u), 0.0, reflectance)[()]

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from glossspace.metric.validity import FloatArray
 from glossspace.reflectance.fresnel import fresnel_reflectance, require_index
-from glossspace.reflectance.half_vector import HalfVector, half_vector
+from glossspace.reflectance.half_vector import HalfVector, half_vector, mirrored
 from glossspace.reflectance.model import (
     Parameter,
     ReflectanceModel,
@@ -93,8 +93,7 @@ class Ggx(ReflectanceModel):
         require_one_roughness(alpha=self.alpha)
         first, second = as_uniforms(u)
         i = as_directions(incident, name="incident")
-        half = _visible_half_vector(i, self.alpha, first, second)
-        return 2 * np.sum(i * half, axis=-1, keepdims=True) * half - i
+        return mirrored(i, _visible_half_vector(i, self.alpha, first, second))
 
     def pdf(self, incident: ArrayLike, exitant: ArrayLike) -> FloatArray:
         """Density (1/sr) of `draw`."""
@@ -119,7 +118,7 @@ class Ggx(ReflectanceModel):
 
 
 def _visible_half_vector(incident: FloatArray, alpha: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:
-    """Half vectors among the facets visible from `incident`: Heitz 2018, listing 1."""
+    """Half vectors among the facets visible from `incident`: Heitz 2018, sections 3 and 4."""
     stretched = incident * np.stack([alpha, alpha, np.ones_like(alpha)])
     stretched = stretched / np.linalg.norm(stretched, axis=-1, keepdims=True)
     x, y, z = (stretched[..., axis] for axis in range(3))

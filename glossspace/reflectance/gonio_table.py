@@ -16,7 +16,7 @@ Axes = tuple[FloatArray, FloatArray, FloatArray]
 
 
 def as_grid_axis(values: ArrayLike, *, name: str, last: float) -> FloatArray:
-    """Ascending angles in degrees from 0 to at most `last`, at least two.
+    """At least two ascending angles between 0 and `last` degrees.
 
     Raises
     ------

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from glossspace.metric.validity import FloatArray
 from glossspace.reflectance.model import as_directions, over_channels
 
-__all__ = ["HalfVector", "half_vector", "mirrored_at_slopes", "unit_from_slopes"]
+__all__ = ["HalfVector", "half_vector", "mirrored", "mirrored_at_slopes"]
 
 # Directions closer to the horizon than this count as at it: squares of their cosines would leave double precision.
 _HORIZON = 1e-100
@@ -79,13 +79,12 @@ def half_vector(incident: ArrayLike, exitant: ArrayLike, channels: int | None = 
     )
 
 
-def unit_from_slopes(slope_x: FloatArray, slope_y: FloatArray) -> FloatArray:
-    """Unit vectors (..., 3) whose slopes against the normal are (p, q) = (hx/hz, hy/hz)."""
-    slopes = np.stack([slope_x, slope_y, np.ones_like(slope_x)], axis=-1)
-    return slopes / np.linalg.norm(slopes, axis=-1, keepdims=True)
+def mirrored(incident: FloatArray, half: FloatArray) -> FloatArray:
+    """Unit directions (..., 3) that leave facets of unit normals `half` when light comes from `incident`."""
+    return 2 * np.sum(incident * half, axis=-1, keepdims=True) * half - incident
 
 
 def mirrored_at_slopes(incident: FloatArray, slope_x: FloatArray, slope_y: FloatArray) -> FloatArray:
-    """Unit directions (..., 3) that leave facets of slopes (p, q) when light comes from `incident`."""
-    half = unit_from_slopes(slope_x, slope_y)
-    return 2 * np.sum(incident * half, axis=-1, keepdims=True) * half - incident
+    """Unit directions (..., 3) that leave facets of slopes (p, q) = (hx/hz, hy/hz) when light comes from `incident`."""
+    slopes = np.stack([slope_x, slope_y, np.ones_like(slope_x)], axis=-1)
+    return mirrored(incident, slopes / np.linalg.norm(slopes, axis=-1, keepdims=True))

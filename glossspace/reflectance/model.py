@@ -187,9 +187,12 @@ def as_angles(theta_deg: ArrayLike, phi_deg: ArrayLike) -> tuple[FloatArray, Flo
     Raises
     ------
     GlossError
-        A polar angle lies outside 0 to below 90 degrees.
+        A polar angle lies outside 0 to below 90 degrees, an azimuth is infinite, or either is NaN.
     """
     theta, phi = as_floats(theta_deg, name="theta_deg"), as_floats(phi_deg, name="phi_deg")
+    for name, angle in (("theta_deg", theta), ("phi_deg", phi)):
+        if np.any(np.isnan(angle)):
+            raise GlossError(f"{name} has NaN, for which there is no albedo. Leave it out.")
     require((theta >= 0) & (theta < 90), theta, name="theta_deg", allowed="0 to below 90, degrees from the normal")
     require(np.isfinite(phi), phi, name="phi_deg", allowed="finite")
     theta, phi = np.broadcast_arrays(theta, phi)

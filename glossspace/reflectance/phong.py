@@ -1,6 +1,7 @@
 """Phong's lobe around the mirror direction, normalised to conserve energy."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,13 +19,12 @@ from glossspace.reflectance.model import (
     direction,
     over_channels,
 )
-from glossspace.reflectance.slope_quadrature import geometric_breaks, panels
+from glossspace.reflectance.slope_quadrature import converged, geometric_breaks, panels
 from glossspace.reflectance.ward import require_one_roughness
 
 __all__ = ["Phong"]
 
 LARGEST_EXPONENT = 1e8
-_TOLERANCE, _ORDERS = 1e-8, (16, 32, 64, 128)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,17 +93,8 @@ class Phong(ReflectanceModel):
     def albedo(self, theta_deg: ArrayLike, *, phi_deg: ArrayLike = 0.0) -> FloatArray:
         """Directional-hemispherical reflectance by converged quadrature around the mirror direction."""
         theta, _ = as_angles(theta_deg, phi_deg)
-        results = [self._converged(direction(angle)) for angle in theta.flat]
+        results = [converged(partial(self._estimate, direction(angle))) for angle in theta.flat]
         return np.reshape(results, theta.shape + (() if self.channels is None else (self.channels,)))[()]
-
-    def _converged(self, incident: FloatArray) -> FloatArray:
-        previous = self._estimate(incident, _ORDERS[0])
-        for order in _ORDERS[1:]:
-            current = self._estimate(incident, order)
-            if np.all(np.abs(current - previous) <= _TOLERANCE * np.abs(current)):
-                break
-            previous = current
-        return current
 
     def _estimate(self, incident: FloatArray, order: int) -> FloatArray:
         sine, cosine = np.hypot(incident[0], incident[1]), incident[2]

@@ -8,7 +8,7 @@ that Ward's form has at the horizon. The order of Gauss and Legendre is doubled 
 """
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +20,7 @@ from glossspace.reflectance.model import ReflectanceModel, as_angles, direction
 __all__ = [
     "GAUSSIAN_EXTENT",
     "Folds",
+    "converged",
     "gauss_legendre",
     "geometric_breaks",
     "lobe_albedo",
@@ -67,18 +68,16 @@ def lobe_albedo(
         Albedo.
     """
     theta, phi = as_angles(theta_deg, phi_deg)
-    results = [
-        _converged(model, direction(t, p), widths, extent, folds) for t, p in zip(theta.flat, phi.flat, strict=True)
-    ]
+    incidents = (direction(*angles) for angles in zip(theta.flat, phi.flat, strict=True))
+    results = [converged(partial(_estimate, model, incident, widths, extent, folds)) for incident in incidents]
     return np.reshape(results, theta.shape + (() if model.channels is None else (model.channels,)))[()]
 
 
-def _converged(
-    model: ReflectanceModel, incident: FloatArray, widths: tuple[float, float], extent: float, folds: Folds | None
-) -> FloatArray:
-    previous = _estimate(model, incident, widths, extent, folds, _ORDERS[0])
+def converged(estimate: Callable[[int], FloatArray]) -> FloatArray:
+    """The estimate of the first order of Gauss and Legendre's rule that agrees with half that order, or of the last."""
+    previous = estimate(_ORDERS[0])
     for order in _ORDERS[1:]:
-        current = _estimate(model, incident, widths, extent, folds, order)
+        current = estimate(order)
         if np.all(np.abs(current - previous) <= _TOLERANCE * np.abs(current)):
             break
         previous = current

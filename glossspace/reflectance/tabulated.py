@@ -170,7 +170,7 @@ class Tabulated(ReflectanceModel):
         """
         theta, _ = as_angles(theta_deg, phi_deg)
         knots = np.union1d(np.union1d(self.theta_exitant_deg, self.theta_incident_deg), [0.0, 90.0])
-        nodes, weights = panels(np.radians(knots), 6)
+        nodes, weights = panels(np.radians(knots), 8)
         azimuths = np.radians(np.union1d(self.phi_deg, 360 - self.phi_deg))
         # Linear in azimuth between the knots, where the trapezoidal rule is exact.
         steps = np.diff(azimuths)

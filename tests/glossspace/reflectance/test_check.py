@@ -14,10 +14,35 @@ ANGLES = [0.0, 30.0, 60.0, 85.0]
 
 
 class _OneWay(Ward):
-    """Ashikhmin's way to lose reciprocity: a factor of the exitant cosine alone."""
+    """Loses reciprocity by a factor of the exitant cosine alone."""
 
     def evaluate(self, incident, exitant):
         return super().evaluate(incident, exitant) * np.sqrt(np.maximum(np.asarray(exitant)[..., 2], 0))
+
+
+class _OneWayWing(Ward):
+    """Is not reciprocal where it never draws: beside the lobe, whose values dwarf the wing's."""
+
+    def evaluate(self, incident, exitant):
+        return super().evaluate(incident, exitant) + 1e-7 * np.maximum(np.asarray(exitant)[..., 2], 0)
+
+
+class _ABitOneWay(Lambert):
+    def evaluate(self, incident, exitant):
+        return super().evaluate(incident, exitant) * (1 + 1e-5 * np.asarray(exitant)[..., 2])
+
+
+class _ABitHeavy(Lambert):
+    def sample(self, incident, u):
+        sample = super().sample(incident, u)
+        return replace(sample, weight=sample.weight * (1 + 1e-5))
+
+
+class _Negative(Lambert):
+    """Below zero on one side, but not on average."""
+
+    def evaluate(self, incident, exitant):
+        return super().evaluate(incident, exitant) + np.where(np.asarray(exitant)[..., 0] > 0, -0.2, 0.2)
 
 
 class _WrongWidth(Ward):
@@ -35,7 +60,14 @@ class _WrongWeight(Ward):
 
 class _WrongAlbedo(Ward):
     def albedo(self, theta_deg, *, phi_deg=0.0):
-        return super().albedo(theta_deg, phi_deg=phi_deg) * 1.05
+        return super().albedo(theta_deg, phi_deg=phi_deg) * 1.005
+
+
+class _RarelyBlack(Lambert):
+    """As if black in a millionth of its directions, which no draw happens to meet."""
+
+    def albedo(self, theta_deg, *, phi_deg=0.0):
+        return super().albedo(theta_deg, phi_deg=phi_deg) * (1 - 1e-6)
 
 
 class _GrazingInfinity(Lambert):
@@ -55,6 +87,11 @@ class _TooDense(Lambert):
     ("model", "message"),
     [
         (_OneWay(1.0, 0.1), "not reciprocal"),
+        (_OneWay(1.0, 1e-5), "not reciprocal"),
+        (_OneWayWing(1.0, 0.001), "not reciprocal"),
+        (_ABitOneWay(0.5), "not reciprocal: both ways of the light differ by up to 1e-05 of the value"),
+        (_ABitHeavy(0.5), "weight is not f cosθ / pdf: they differ by up to 1e-05 of it"),
+        (_Negative(0.5), "negative or not finite"),
         (_WrongWidth(1.0, 0.1), "draws do not follow its density: chi² at"),
         (_WrongWidth(1.0, 0.001), "draws do not follow its density: chi² at"),
         (_WrongWeight(1.0, 0.1), "weight is not f cosθ / pdf: they differ by up to 0.0099 of it"),
@@ -69,6 +106,10 @@ def test_it_finds_what_is_wrong(model, message):
     check = check_model(model)
     assert not check.passes
     assert any(re.search(message, problem) for problem in check.problems), check
+
+
+def test_what_rare_draws_would_show_is_no_deviation():
+    assert check_model(_RarelyBlack(0.5)).problems == ()  # though the weights of all others have no spread at all
 
 
 @pytest.mark.parametrize("alpha", [0.001, 0.02, 0.5])

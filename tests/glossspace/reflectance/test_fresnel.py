@@ -1,5 +1,6 @@
 """Fresnel's reflectance against closed forms, the printed equation, and Fresnel's own amplitudes."""
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given
@@ -16,7 +17,19 @@ COSINE = st.floats(1e-3, 1.0)
 @given(n=INDEX, k=EXTINCTION)
 def test_normal_incidence_is_the_closed_form(n, k):
     expected = ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2)
-    assert fresnel_reflectance(1.0, n, k) == pytest.approx(expected, rel=1e-11, abs=1e-15)  # rounding of n − 1
+    assert fresnel_reflectance(1.0, n, k) == pytest.approx(expected, rel=1e-12, abs=0)
+
+
+@given(step=st.floats(1e-12, 1e-3), u=st.floats(1e-6, 1.0))
+def test_an_index_near_one_keeps_its_digits(step, u):
+    """Against the amplitudes in forty digits."""
+    with mpmath.workdps(40):
+        n, cos_i = mpmath.mpf(1 + step), mpmath.mpf(u)
+        cos_t = mpmath.sqrt(1 - (1 - cos_i**2) / n**2)
+        parallel = (n * cos_i - cos_t) / (n * cos_i + cos_t)
+        perpendicular = (cos_i - n * cos_t) / (cos_i + n * cos_t)
+        expected = float((parallel**2 + perpendicular**2) / 2)
+    assert fresnel_reflectance(u, 1 + step) == pytest.approx(expected, rel=1e-12, abs=0)
 
 
 def printed_equation_10(u, n, k):
@@ -36,7 +49,7 @@ def test_it_is_equation_10_of_the_glossmeter_paper(u, n, k):
 
 @given(u=COSINE, n=st.floats(1.01, 4.0))
 def test_it_is_the_mean_of_the_squared_amplitudes(u, n):
-    """Eqs 7 to 9 of the glossmeter paper, with the ½ that eq. 9 lacks in print."""
+    """Eqs 7 to 9 of the glossmeter paper."""
     cos_t = np.sqrt(1 - (1 - u**2) / n**2)
     parallel, perpendicular = (n * u - cos_t) / (n * u + cos_t), (u - n * cos_t) / (u + n * cos_t)
     assert fresnel_reflectance(u, n) == pytest.approx((parallel**2 + perpendicular**2) / 2, rel=1e-10, abs=1e-14)
@@ -83,6 +96,11 @@ def test_it_broadcasts_and_lets_nan_through():
     np.testing.assert_allclose(result[0], [0.04, 1 / 9], rtol=1e-12)
     assert np.isnan(result[1]).all()
     assert np.isnan(fresnel_reflectance(0.5, np.nan))
+    assert np.isnan(fresnel_reflectance(np.nan, 1.0))
+
+
+def test_a_cosine_may_round_to_above_one():
+    assert fresnel_reflectance(1 + 1e-10, 1.5) == fresnel_reflectance(1.0, 1.5)
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from scipy.integrate import quad
 from scipy.special import exp1
 
 from glossspace.reflectance import CookTorrance, Ggx, Phong, Ward, direction, fresnel_reflectance
+from glossspace.reflectance.cook_torrance import _folds
 from glossspace.reflectance.ward_terms import NORMALISATIONS, normalisation_factor
 from tests.glossspace.reflectance.hemisphere import random_directions
 
@@ -19,7 +20,7 @@ THETA = st.floats(0, 85)
 def pairs(width, seed=5, count=300):
     """Directions whose half vectors lie within a lobe, with the angles that the printed equations speak of."""
     generator = np.random.default_rng(seed)
-    i = random_directions(count, seed, 80.0)
+    i = random_directions(count, seed + 1, 80.0)  # another seed, lest h lie in the plane of normal and i
     delta, phi = np.arctan(width * generator.uniform(0, 2.5, count)), generator.uniform(0, 2 * np.pi, count)
     h = direction(np.degrees(delta), np.degrees(phi))
     o = 2 * np.sum(i * h, axis=-1, keepdims=True) * h - i
@@ -114,6 +115,24 @@ def test_cook_torrance_is_equations_10_to_13(form):
     np.testing.assert_allclose(CookTorrance(scale, slope, n, k, form).evaluate(i, o), expected, rtol=1e-11)
 
 
+@given(theta=st.floats(1, 89), azimuth=st.floats(-180, 180))
+def test_the_folds_are_where_another_term_of_equation_12_is_the_least(theta, azimuth):
+    """Of 1, 2 (H·N)(V·N)/(H·V) and 2 (H·N)(L·N)/(H·V), along a ray of facet slopes, looked up in small steps."""
+    slope = np.sinh(np.linspace(0, 8, 20_001))[:, None]
+    h = np.concatenate([slope * np.cos(np.radians(azimuth)), slope * np.sin(np.radians(azimuth)), slope**0], axis=-1)
+    h /= np.linalg.norm(h, axis=-1, keepdims=True)
+    i, u = direction(theta), h @ direction(theta)
+    o = 2 * u[:, None] * h - i
+    lit = (u > 0) & (o[:, 2] > 0)
+    terms = np.stack([np.ones_like(u), 2 * h[:, 2] * o[:, 2] / u, 2 * h[:, 2] * i[2] / u])
+    least = np.where(lit, np.argmin(terms, axis=0), -1)
+    changes = np.flatnonzero((least[1:] != least[:-1]) & lit[1:] & lit[:-1])
+    folds = _folds(np.radians(theta), np.radians([azimuth]))[:, 0]
+    for change in changes:
+        low, high = slope[change, 0], slope[change + 1, 0]
+        assert np.any((folds > low * (1 - 1e-9)) & (folds < high * (1 + 1e-9)))  # a root's rounding
+
+
 @given(slope=st.floats(0.01, 0.5))
 def test_beckmanns_facets_cover_the_plane_once(slope):
     """∫ D cosδ dω = 1; at normal incidence on a perfect mirror, f cosθo dω_o counts D cosδ G dω_h."""
@@ -153,11 +172,24 @@ def test_a_narrow_phong_lobe_keeps_the_cosine(theta):
     assert Phong(1.0, 1e4).albedo(theta) == pytest.approx(math.cos(math.radians(theta)), rel=1e-8)
 
 
-def test_phong_is_its_equation():
+@pytest.mark.parametrize("exponent", [0, 1, 50])
+def test_phong_is_its_equation(exponent):
     i, o = random_directions(300, 1), random_directions(300, 2)
     cosine = np.sum(i * [-1, -1, 1] * o, axis=-1)
-    expected = 0.3 * 52 / (2 * np.pi) * np.maximum(cosine, 0) ** 50
-    np.testing.assert_allclose(Phong(0.3, 50).evaluate(i, o), expected, rtol=1e-9, atol=1e-290)
+    assert np.any(cosine < 0)  # where nothing is reflected, whatever the exponent
+    expected = np.where(cosine > 0, 0.3 * (exponent + 2) / (2 * np.pi) * np.abs(cosine) ** exponent, 0)
+    np.testing.assert_allclose(Phong(0.3, exponent).evaluate(i, o), expected, rtol=1e-9, atol=1e-290)
+
+
+def test_ggx_is_equations_20_23_33_and_34():
+    """Of Walter et al. 2007, term by term in the angles that they print."""
+    i, o, h, delta, _ = pairs(0.4)
+    alpha, rho_s, n, k = 0.4, 0.7, 0.5, 2.5
+    facets = alpha**2 / (np.pi * np.cos(delta) ** 4 * (alpha**2 + np.tan(delta) ** 2) ** 2)
+    seen_i, seen_o = (2 / (1 + np.sqrt(1 + alpha**2 * (1 / v[:, 2] ** 2 - 1))) for v in (i, o))
+    fresnel = fresnel_reflectance(np.minimum(np.sum(h * i, axis=-1), 1), n, k)
+    expected = rho_s * fresnel * facets * seen_i * seen_o / (4 * i[:, 2] * o[:, 2])
+    np.testing.assert_allclose(Ggx(alpha, rho_s, n, k).evaluate(i, o), expected, rtol=1e-11)
 
 
 @given(alpha=st.floats(0.01, 2.0))
