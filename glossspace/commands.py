@@ -8,6 +8,7 @@ import pandas as pd
 
 from glossspace.console import FiniteNumber, JsonFlag, WholeNumber, note, print_json, print_table
 from glossspace.errors import GlossError
+from glossspace.files import check_file_target, whole_file
 from glossspace.metric import (
     PAPER_ALPHA_LIMIT,
     PAPER_SPACE,
@@ -23,6 +24,7 @@ from glossspace.metric import (
 __all__ = ["convert", "distance", "isogloss", "match"]
 
 _FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
+_MANY_POINTS = 100_000
 
 
 def convert(
@@ -200,12 +202,16 @@ def isogloss(
     """
     if figure is not None and figure.suffix.lower() not in _FIGURE_SUFFIXES:
         raise GlossError(f"Invalid figure '{figure}'. Allowed: a file name that ends in {', '.join(_FIGURE_SUFFIXES)}.")
+    if figure is not None:
+        check_file_target(figure)
     gloss_space = _space(space)
     paint = _paint(reference)
     contour = isogloss_contour(paint, radius=radius, rho_d=rho_d, n=n, space=gloss_space)
     if figure is not None:
         _draw_contour(figure, contour, gloss_space.coordinates(paint))
         note(f"Figure: {figure}")
+    if json and n > _MANY_POINTS:
+        note(f"Writing {n:,} points, which takes a while.")
     points = pd.DataFrame(
         {
             name: getattr(contour, name)
@@ -252,8 +258,6 @@ def _show(result: dict[str, Any], *, as_json: bool) -> None:
 
 def _draw_contour(path: Path, contour: IsoglossContour, centre: tuple[Any, Any]) -> None:
     from matplotlib.figure import Figure
-
-    from glossspace.files import whole_file
 
     figure = Figure(figsize=(5, 4.5), layout="constrained")
     axes = figure.add_subplot(xlabel="contrast gloss c", ylabel="distinctness of image d")

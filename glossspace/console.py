@@ -3,6 +3,7 @@
 import json
 import math
 import sys
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Annotated, Any
@@ -22,6 +23,7 @@ __all__ = [
     "Seed",
     "WholeNumber",
     "note",
+    "noted_if_slow",
     "print_json",
     "print_table",
     "progress_bar",
@@ -67,6 +69,10 @@ class ResultConsole(Console):
         raise BrokenPipeError
 
 
+# From then on, somebody who waits wants to know what for.
+_NOTICED_S = 2.0
+# Lines of a table that take more than a moment to set.
+_LONG_TABLE = 5000
 # A pipe or a file has no width: rich would squeeze the table into 80 columns and cut numbers.
 _PIPE_WIDTH = 160
 
@@ -91,6 +97,8 @@ def _plain(value: Any) -> Any:
 
 def print_table(rows: pd.DataFrame, *, title: str | None = None) -> None:
     """Print a data frame as a table on stdout: numbers to six significant digits, NaN as a dash."""
+    if len(rows) > _LONG_TABLE:
+        note(f"Setting a table of {len(rows):,} lines, which takes a while; --json does not.")
     table = Table(*(str(column) for column in rows.columns), title=title, title_justify="left")
     for row in rows.itertuples(index=False):
         table.add_row(*(_cell(value) for value in row))
@@ -112,6 +120,24 @@ def _cell(value: Any) -> str:
 def note(message: str) -> None:
     """Print a remark for the person at the terminal: on stderr, so that stdout stays the result."""
     Console(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False).print(message)
+
+
+@contextmanager
+def noted_if_slow(message: str) -> Iterator[None]:
+    """Print a remark on stderr once what is done inside takes two seconds: for work of which no part can be counted.
+
+    Examples
+    --------
+    >>> with noted_if_slow("Fitting, which takes a while."):
+    ...     pass
+    """
+    timer = threading.Timer(_NOTICED_S, note, [message])
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 @contextmanager

@@ -79,7 +79,8 @@ def read_stimulus_table(path: str | Path) -> pd.DataFrame:
     Raises
     ------
     GlossError
-        The file is missing or no such table, a stimulus has no name or is there twice, or its parameters cannot be.
+        The file is missing, empty or no such table, a stimulus has no name or is there twice, or its parameters cannot
+        be.
     """
     table = read_user_table(path, what="stimulus table", columns=_COLUMNS)
     lines: dict[str, int] = {}
@@ -98,5 +99,10 @@ def read_stimulus_table(path: str | Path) -> pd.DataFrame:
         except GlossError as error:
             raise GlossError(f"{where}: the stimulus {row.stimulus!r} cannot be: {error}") from None
         except ValueError as error:
-            raise GlossError(f"{where}: the stimulus {row.stimulus!r} has no valid numbers: {error}.") from None
+            raise GlossError(
+                f"{where}: the stimulus {row.stimulus!r} has no valid numbers: {error}. Allowed: rho_d, rho_s and "
+                "alpha with a decimal point, such as 0.193."
+            ) from None
+    if table.empty:
+        raise GlossError(f"The stimulus table '{path}' holds no stimulus. Add a row for each.")
     return table[_COLUMNS].astype(dict.fromkeys(_COLUMNS[1:], float)).reset_index(drop=True)

@@ -177,7 +177,8 @@ class GlossSpace:
         for name, values in zip(("c_a", "d_a", "c_b", "d_b"), points, strict=True):
             require(np.isfinite(values), values, name=name, allowed="finite")
         from_c, from_d, to_c, to_d = points
-        return np.hypot(self.weight_c * (from_c - to_c), self.weight_d * (from_d - to_d))[()]
+        with np.errstate(over="ignore"):  # what no float holds is infinitely far
+            return np.hypot(self.weight_c * (from_c - to_c), self.weight_d * (from_d - to_d))[()]
 
     def save(self, path: str | Path) -> None:
         """Write the space as versioned JSON, whole or not at all."""
@@ -213,7 +214,7 @@ class GlossSpace:
         Raises
         ------
         GlossError
-            The file is missing, is not a gloss space, is of a newer version, or holds impossible weights.
+            The file is missing, is not a gloss space, is of a newer version, or holds impossible numbers.
         """
         document = read_json(path, what="gloss space")
         if document.get("format") != _FORMAT:
@@ -250,30 +251,36 @@ class GlossSpace:
             weight_d=axes["d"]["weight"],
             name=str(document["name"]),
             weight_d_ci95=None if ci95 is None else tuple(ci95),
-            axis_functions={axis: _axis_function(line) for axis, line in ratings.items() if line is not None},
-            stimulus_range={key: (float(low), float(high)) for key, (low, high) in ranges.items()},
+            axis_functions={axis: _axis_function(axis, line) for axis, line in ratings.items() if line is not None},
+            stimulus_range={key: _interval(value, f"stimulus_range of {key}") for key, value in ranges.items()},
             provenance=dict(document.get("provenance", {})),
             contrast_form=forms["c"],
             distinctness_form=forms["d"],
         )
 
 
-def _axis_function(line: Mapping[str, Any]) -> AxisFunction:
+def _axis_function(axis: str, line: Mapping[str, Any]) -> AxisFunction:
+    numbers = {name: line[name] for name in ("slope", "intercept", "r_squared", "n_stimuli")}
+    for name, value in numbers.items():
+        if not _is_finite_number(value):
+            raise GlossError(f"{name} = {value!r} of the ratings along {axis} is no finite number")
+    intervals = {
+        name: None if line.get(name) is None else _interval(line[name], f"{name} of the ratings along {axis}")
+        for name in ("slope_ci95", "intercept_ci95")
+    }
     return AxisFunction(
-        slope=float(line["slope"]),
-        intercept=float(line["intercept"]),
-        r_squared=float(line["r_squared"]),
-        n_stimuli=int(line["n_stimuli"]),
-        slope_ci95=_interval(line.get("slope_ci95")),
-        intercept_ci95=_interval(line.get("intercept_ci95")),
+        slope=float(numbers["slope"]),
+        intercept=float(numbers["intercept"]),
+        r_squared=float(numbers["r_squared"]),
+        n_stimuli=int(numbers["n_stimuli"]),
+        **intervals,
     )
 
 
-def _interval(value: Any) -> tuple[float, float] | None:
-    if value is None:
-        return None
-    low, high = value
-    return float(low), float(high)
+def _interval(value: Any, what: str) -> tuple[float, float]:
+    if not isinstance(value, list) or len(value) != 2 or not all(map(_is_finite_number, value)) or value[0] > value[1]:
+        raise GlossError(f"the {what} must be two finite numbers, the lower one first, not {value!r}")
+    return float(value[0]), float(value[1])
 
 
 def _is_finite_number(value: object) -> bool:

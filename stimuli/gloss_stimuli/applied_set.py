@@ -1,5 +1,6 @@
 """Stimulus sets that a gloss space makes: what is in them, and where their paints lie in the space."""
 
+from collections import Counter
 from dataclasses import dataclass
 
 import pandas as pd
@@ -81,8 +82,8 @@ def range_remarks(stimuli: StimulusList, space: GlossSpace) -> list[str]:
         Two of the stimuli are the same paint.
     """
     names = [stimulus.name for stimulus in stimuli.stimuli]
-    for name in names:
-        if names.count(name) > 1:
+    for name, count in Counter(names).items():
+        if count > 1:
             raise GlossError(
                 f"Two paints of the set are the same to {SIGNIFICANT_DIGITS} digits: {name}. Choose larger distances, "
                 "fewer points, or values that differ."

@@ -16,7 +16,7 @@ from gloss_stimuli.render import render_set
 from gloss_stimuli.sets import StimulusList
 from glossspace.console import note
 from glossspace.errors import GlossError
-from glossspace.files import read_json, write_text
+from glossspace.files import read_json, read_toml, write_text
 from glossspace.metric import PAPER_SPACE, GlossSpace, Paint
 from glossspace.stimulus_set import StimulusSet
 
@@ -26,6 +26,10 @@ TABLE = "stimuli.csv"
 """The file of a set that holds where its stimuli lie in the space."""
 
 LIST = "stimuli.toml"
+
+# What tells a table and a list that were made here from those of somebody else.
+_TABLE_COLUMNS = ("stimulus", "rho_d", "rho_s", "alpha", "c", "d", "distance")
+_NAMES = ("ring", "matched")
 
 
 def render_isogloss_ring(
@@ -44,7 +48,8 @@ def render_isogloss_ring(
     out : path
         The folder to fill: a stimulus set, with `stimuli.csv` (where its paints lie in the space), `stimuli.toml` (the
         same paints as a list for `gloss render`), and the figure as `ring.png` and `ring.svg`. Called again, only what
-        changed is rendered, and pictures of paints that are no longer in the set are removed.
+        changed is rendered, and pictures of paints that are no longer in the set are removed. A `stimuli.csv` or
+        `stimuli.toml` of somebody else is not replaced.
     space, reference, radii, n
         See `gloss_stimuli.isogloss_ring.isogloss_ring`.
     rendering
@@ -100,6 +105,7 @@ def render_matched_spheres(
 
 
 def _render(applied: AppliedSet, out: Path, rendering: dict[str, Any]) -> StimulusSet:
+    _check_replaceable(out)
     for remark in applied.remarks:
         note(remark)
     # The set renderer reads lists from files; that of a mistaken call must not claim the folder.
@@ -111,6 +117,29 @@ def _render(applied: AppliedSet, out: Path, rendering: dict[str, Any]) -> Stimul
     write_text(out / LIST, _as_toml(applied.stimuli))
     write_text(out / TABLE, applied.table.to_csv(index=False, lineterminator="\n"))
     return rendered
+
+
+def _check_replaceable(out: Path) -> None:
+    """Refuse a folder with a table or list of the same name that was not made here: it may be somebody's data."""
+    for name, is_ours in ((TABLE, _is_our_table), (LIST, _is_our_list)):
+        if (out / name).exists() and not is_ours(out / name):
+            raise GlossError(
+                f"'{out / name}' is there, was not made by this command, and would be replaced. Choose another folder."
+            )
+
+
+def _is_our_table(path: Path) -> bool:
+    try:
+        return set(_TABLE_COLUMNS) <= set(pd.read_csv(path, nrows=0).columns)
+    except (OSError, ValueError):
+        return False
+
+
+def _is_our_list(path: Path) -> bool:
+    try:
+        return read_toml(path, what="stimulus list").get("name") in _NAMES
+    except GlossError:
+        return False
 
 
 def _as_toml(wanted: StimulusList) -> str:

@@ -21,6 +21,12 @@ def gloss(capsys):
     return run
 
 
+@pytest.fixture(autouse=True)
+def _nobody_waits(monkeypatch):
+    """Keep what is said after two seconds out of stderr: on a clean clone some test compiles the solver."""
+    monkeypatch.setattr("glossspace.console._NOTICED_S", 3600)
+
+
 @pytest.fixture
 def refused(gloss):
     """Run a command that must fail as a user's mistake; give its one line."""

@@ -206,6 +206,7 @@ class TestFit:
         [
             ("s0,0.03", "s0,-0.03", "line 2: the stimulus 's0' cannot be: rho_d must be at least 0, but is -0.03"),
             ("s0,0.03", "s0,x", "line 2: the stimulus 's0' has no valid numbers"),
+            ("s0,0.03", 's0,"0,03"', "Allowed: rho_d, rho_s and alpha with a decimal point, such as 0.193."),
             ("s0,0.03", "s0,", "line 2: the stimulus 's0' cannot be: rho_d must be a finite number"),
             ("s0,", ",", "line 2: the stimulus has no name"),
             ("s1,", "s0,", "line 3: 's0' is already in line 2"),

@@ -132,6 +132,22 @@ def test_pairs_for_a_person(gloss, stimuli):
     assert "Give --out FILE.csv" in err
 
 
+def test_a_regular_grid_has_too_few_distances_for_the_choice_and_is_told_so(gloss, tmp_path):
+    # Three by three: eight different distances, fewer than the eleven columns of the unknown response.
+    grid = tmp_path / "grid.csv"
+    c, alpha = (axis.ravel() for axis in np.meshgrid([0.1, 0.2, 0.3], [0.05, 0.1, 0.15]))
+    pd.DataFrame({"stimulus": range(9), "rho_d": 0.0, "rho_s": c**3, "alpha": alpha}).to_csv(grid, index=False)
+    given = ("design-pairs", "--keep", "20", "--stimuli", grid, "--studies", "0")
+    code, out, err = gloss(*given, "--json")
+    document = json.loads(out)
+    assert (code, document["relative_error"], len(document["pairs"])) == (0, None, 20)
+    assert document["warnings"][0].startswith("By local information not even all pairs tell the weight")
+    code, out, err = gloss(*given)
+    assert "20 of 36 pairs.\n" in out
+    assert "nan" not in out
+    assert "By local information not even all pairs tell the weight" in err
+
+
 @pytest.mark.parametrize(
     ("words", "why"),
     [
@@ -171,7 +187,16 @@ def test_mistakes_in_files(refused, pairs, stimuli, dataset, tmp_path):
     STIMULI.assign(alpha=0.04).to_csv(same, index=False)
     assert "at one place on an axis" in refused("design", "--stimuli", same, *QUICK)
     assert "at one place on an axis" in refused("design-pairs", "--keep", "90", "--stimuli", same)
+    two = tmp_path / "two.csv"
+    STIMULI[:2].to_csv(two, index=False)
+    assert "two.csv' holds 2 stimuli. A study needs at least 3." in refused("design", "--stimuli", two, *QUICK)
+    many = tmp_path / "many.csv"
+    pd.DataFrame({"stimulus": range(150), "rho_d": 0.1, "rho_s": 0.05, "alpha": np.linspace(0.01, 0.2, 150)}).to_csv(
+        many, index=False
+    )
+    for command in (("design",), ("design-pairs", "--keep", "90")):
+        assert "150 stimuli have 11,175 pairs. Allowed: up to 10,000 pairs." in refused(*command, "--stimuli", many)
     header = tmp_path / "header.csv"
     header.write_text("stimulus,rho_d,rho_s,alpha\n")
-    assert "three stimuli" in refused("design", "--stimuli", header, *QUICK)
-    assert "three stimuli" in refused("design-pairs", "--share", ".5", "--stimuli", header)
+    assert "holds no stimulus. Add a row for each" in refused("design", "--stimuli", header, *QUICK)
+    assert "holds no stimulus. Add a row for each" in refused("design-pairs", "--share", ".5", "--stimuli", header)

@@ -202,3 +202,15 @@ def test_level_and_interval_are_those_asked_for(gloss, files):
     assert code == 0
     assert json.loads(out)["weight_d"] == pytest.approx(1.78, abs=1e-6)  # noise-free: nothing is left open
     assert GlossSpace.load(files["--out"]).provenance["level"] == "ratio"
+
+
+def test_of_files_that_are_there_only_a_space_is_replaced(gloss, refused, files):
+    given, before = words(files, "--pairs"), files["--pairs"].read_bytes()
+    into_data = [*given[:-1], files["--pairs"]]
+    assert "pairs.csv' is there and is no gloss space that can be read. Choose another name" in refused(
+        "fit", *into_data
+    )
+    assert files["--pairs"].read_bytes() == before
+    GlossSpace(weight_d=9.0).save(files["--out"])
+    assert gloss("fit", *given)[0] == 0
+    assert GlossSpace.load(files["--out"]).weight_d == pytest.approx(1.78, abs=0.05)

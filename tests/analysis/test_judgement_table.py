@@ -39,6 +39,7 @@ def test_participants_keep_their_labels_and_order(tmp_path):
     ("content", "message"),
     [
         ("participant_id,stimulus_a,stimulus_b\n1,a,b\n", "lacks the column 'dissimilarity'"),
+        (";".join(COLUMNS) + "\n1;a;b;1\n1;b;c;2\n", r"lacks the column 'participant_id'.* Save it as CSV with commas"),
         (",".join(COLUMNS) + "\n1,a,b,1\n1,b,c,-2\n", r"line 3: dissimilarity '-2' is not allowed"),
         (",".join(COLUMNS) + "\n1,a,b,inf\n1,b,c,2\n", r"line 2: dissimilarity 'inf' is not allowed"),
         (",".join(COLUMNS) + "\n1,a,b,much\n1,b,c,2\n", r"line 2: dissimilarity 'much' is not allowed"),

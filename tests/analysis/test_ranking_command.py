@@ -93,6 +93,7 @@ def test_mistakes(refused, files, tmp_path):
     assert "The reference 'x' is not among the stimuli" in refused("ranking", *files, "--reference", "x")
     known = ("--reference", "reference")
     assert "Invalid figure" in refused("ranking", *files, *known, "--figure", "a.txt")
+    assert "is a file, where a folder is needed" in refused("ranking", *files, *known, "--figure", files[0] / "a.svg")
     assert "No gloss space" in refused("ranking", *files, *known, "--space", tmp_path / "no.json")
     assert "Invalid tolerance" in refused("ranking", *files, *known, "--tolerance", "-1")
     assert "Invalid number of permutations 5" in refused("ranking", *files, *known, "--permutations", "5")

@@ -77,6 +77,9 @@ def test_mistakes(refused, pairs, stimuli, tmp_path):
     assert "Give --stimuli" in refused("validate", pairs)
     assert "No gloss space" in refused("validate", pairs, "--stimuli", stimuli, "--space", tmp_path / "no.json")
     assert "Invalid figure" in refused("validate", pairs, "--stimuli", stimuli, "--figure", "a.txt")
+    assert "is a file, where a folder is needed" in refused(
+        "validate", pairs, "--stimuli", stimuli, "--figure", pairs / "a.svg"
+    )
     assert "Check the path" in refused("validate", tmp_path / "no.csv")
     short = tmp_path / "short.csv"
     EXPERIMENT_1[EXPERIMENT_1["stimulus"] != STIMULI[0]].to_csv(short, index=False)

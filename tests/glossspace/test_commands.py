@@ -204,6 +204,11 @@ class TestIsogloss:
         assert "–" in out
         assert out.count(" no ") >= 2
 
+    def test_a_table_that_takes_long_is_announced(self, gloss):
+        code, out, err = gloss("isogloss", GRAY, "--n", "5001")
+        assert (code, out.count("\n")) == (0, 5001 + 5)
+        assert err == "Setting a table of 5,001 lines, which takes a while; --json does not.\n"
+
     @pytest.mark.parametrize(("suffix", "magic"), [(".png", b"\x89PNG"), (".PDF", b"%PDF"), (".svg", b"<?xml")])
     def test_figure(self, gloss, tmp_path, suffix, magic):
         figure = tmp_path / "new" / f"contour{suffix}"

@@ -102,6 +102,13 @@ class TestDistance:
             PAPER_SPACE.coordinates(Paint([0.1, 0.2], 0.1, [0.1, 0.2, 0.3]))
 
 
+def test_what_no_float_holds_is_infinitely_far():
+    assert PAPER_SPACE.distance(Paint(0.1, 0.1, 1.7e308), Paint(0.1, 0.1, 0.1)) == np.inf
+
+
+LINE = {"slope": 50, "intercept": 10, "r_squared": 0.9, "n_stimuli": 9}
+
+
 @pytest.mark.parametrize("weight", [0, -1.78, np.nan, np.inf, "1.78", None, True, 10**400, 1j, [1.78]], ids=repr)
 @pytest.mark.parametrize("name", ["weight_c", "weight_d"])
 def test_impossible_weights_are_refused(name, weight):
@@ -226,6 +233,21 @@ class TestFile:
             (lambda d: d.update(axes=[]), "cannot be used: "),
             (lambda d: d.update(stimulus_range=[1]), "cannot be used: "),
             (lambda d: d.update(stimulus_range={"rho_d": [1]}), "cannot be used: "),
+            # A file that was edited by hand: 1e999 reads as infinity, and a word as a number, if nobody looks.
+            (
+                lambda d: d.update(stimulus_range={"alpha": ["nan", "nan"]}),
+                "stimulus_range of alpha must be two finite",
+            ),
+            (lambda d: d.update(stimulus_range={"alpha": [0.1, 0.04]}), "the lower one first, not .0.1, 0.04."),
+            (lambda d: d.update(stimulus_range={"alpha": "12"}), "must be two finite numbers.*not '12'"),
+            (
+                lambda d: d["axes"]["d"].update(ratings=LINE | {"slope": "nan"}),
+                "cannot be used: slope = 'nan' of the ratings along d is no finite number",
+            ),
+            (
+                lambda d: d["axes"]["d"].update(ratings=LINE | {"slope_ci95": [3, 2]}),
+                "slope_ci95 of the ratings along d",
+            ),
             (lambda d: d.update(provenance=[1]), "cannot be used: "),
         ],
     )

@@ -97,6 +97,15 @@ def test_a_mistake_claims_no_folder(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize(("name", "content"), [("stimuli.csv", "stimulus,rho_d,rho_s,alpha\n"), ("stimuli.toml", "")])
+def test_a_table_or_list_of_somebody_else_is_not_replaced(tmp_path: Path, name: str, content: str) -> None:
+    (tmp_path / name).write_text(content)
+    with pytest.raises(GlossError, match=rf"{name}' is there, was not made by this command, .* Choose another folder"):
+        render_matched_spheres(tmp_path, **DRAFT)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+    assert (tmp_path / name).read_text() == content
+
+
 def test_commands_give_the_options_on(tmp_path: Path, monkeypatch) -> None:
     class Stop(Exception):
         pass

@@ -10,12 +10,14 @@ import numpy as np
 import pandas as pd
 
 from gloss_analysis.commands.observers import note_simulated, simulated_of
+from gloss_analysis.commands.waiting import FITTING
 from glossspace.console import (
     JsonFlag,
     NumberOfJobs,
     Seed,
     WholeNumber,
     note,
+    noted_if_slow,
     print_json,
     print_table,
     progress_bar,
@@ -127,7 +129,8 @@ def confirm(
     remarks = judgement_remarks(data, judgements)
     simulated = simulated_of(table, data.participants)
     axes, values = _coordinates(coordinates, data.stimuli)
-    fitted = confirm_axes(data, values, axes=axes, level=level, ties=ties, interval=interval, seed=seed)
+    with noted_if_slow(FITTING):
+        fitted = confirm_axes(data, values, axes=axes, level=level, ties=ties, interval=interval, seed=seed)
     n_jobs = min(jobs or _MOST, os.cpu_count() or 1)
     tasks: tuple[TaskIdentity, ...] | None = None
     if magnitudes is not None:

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import pandas as pd
 
-from gloss_analysis.commands.planned_study import StudyOptions, interval_columns, planned_study, print_population
+from gloss_analysis.commands.planned_study import (
+    StudyOptions,
+    all_pairs,
+    interval_columns,
+    planned_study,
+    print_population,
+)
 from glossspace.console import (
     FiniteNumber,
     JsonFlag,
@@ -101,7 +107,7 @@ def design_pairs(
         _check_replaceable(out)
     planned = planned_study(study or StudyOptions())
     n = len(planned.names)
-    every = n * (n - 1) // 2
+    every = all_pairs(planned)
     count = _count(keep, share, every)
     found: tuple[DesignPrecision, ...] = ()
     cores = os.cpu_count() or 1
@@ -128,7 +134,7 @@ def design_pairs(
     if out is not None:
         write_text(out, pd.DataFrame(pairs, columns=_COLUMNS).to_csv(index=False, lineterminator="\n"))
         note(f"Pairs: {out}")
-    warnings = remarks(found[0]) if found else ()
+    warnings = (*_untold(choice.relative_error), *(remarks(found[0]) if found else ()))
     named = dict(zip(("chosen", "random", "all"), found, strict=False))
     if json:
         print_json(
@@ -146,9 +152,13 @@ def design_pairs(
         )
         return
     print_population(planned)
+    known = (
+        f" One observer's own weight is known {choice.relative_error:.2f} times less precisely than from all pairs "
+        "(local information)."
+    )
     print(
-        f"{count} of {every} pairs{f' and {n} identical ones' if identical else ''}. One observer's own weight is "
-        f"known {choice.relative_error:.2f} times less precisely than from all pairs (local information)."
+        f"{count} of {every} pairs{f' and {n} identical ones' if identical else ''}."
+        f"{known if np.isfinite(choice.relative_error) else ''}"
     )
     if named:
         _print(named)
@@ -167,6 +177,18 @@ def _count(keep: int | None, share: float | None, every: int) -> int:
     if not 0 < share <= 1:
         raise GlossError(f"Invalid --share {share:g}. Allowed: above 0, up to 1.")
     return round(share * every)
+
+
+def _untold(relative_error: float) -> list[str]:
+    """What to say where local information does not tell pairs apart."""
+    if np.isfinite(relative_error):
+        return []
+    which = "not even all pairs tell" if np.isnan(relative_error) else "these pairs do not tell"
+    return [
+        f"By local information {which} the weight: they have few different distances, as those of a regular grid do, "
+        "and an unknown response of the slider explains whatever changes with the distance alone. The choice may be no "
+        "better than one at random; the simulated studies show it. Stimuli off a grid help."
+    ]
 
 
 def _print(named: "dict[str, DesignPrecision]") -> None:

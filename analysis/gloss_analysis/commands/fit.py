@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import pandas as pd
 
 from gloss_analysis.commands.observers import note_simulated, simulated_of
-from glossspace.console import JsonFlag, Seed, note, print_json, print_table
+from gloss_analysis.commands.waiting import FITTING
+from glossspace.console import JsonFlag, Seed, note, noted_if_slow, print_json, print_table
 from glossspace.errors import GlossError
 from glossspace.files import check_file_target
+from glossspace.metric import GlossSpace
 
 if TYPE_CHECKING:  # for the annotations: the analysis itself is imported once it runs
     from gloss_analysis.axis_functions.axis_forms import FormChoice
@@ -82,7 +84,7 @@ def fit(
     dataset
         The dataset folder. Leave it out to give tables.
     out
-        The file to write; `gloss distance --space` reads it.
+        The file to write; `gloss distance --space` reads it. Of files that are there, only a gloss space is replaced.
     pairs
         A CSV file with the columns participant_id, stimulus_a, stimulus_b, dissimilarity.
     magnitudes
@@ -108,7 +110,7 @@ def fit(
         raise GlossError(f"Give either the dataset '{dataset}' or {' and '.join(tables)}, not both.")
     if dataset is None and not tables:
         raise GlossError("Nothing to fit. Give a dataset folder, or --pairs, --magnitudes or both with --stimuli.")
-    check_file_target(out)
+    _check_replaceable(out)
     if dataset is not None:
         given = _from_dataset(dataset, stimuli)
     elif stimuli is not None:
@@ -120,17 +122,32 @@ def fit(
         )
     provenance = {"observers": labelled_observers(given.participants, given.simulated)}
     fitted: AxisFunctionsFit
-    if given.pairs is None:
-        fitted = fit_axis_functions(given.stimuli, given.ratings, forms=forms, name=given.name, provenance=provenance)
-    else:
-        fitted = fit_gloss_space(
-            given.stimuli, given.pairs, given.ratings, level=level, ties=ties, interval=interval, seed=seed,
-            forms=forms, name=given.name, provenance=provenance,
-        )  # fmt: skip
+    with noted_if_slow(FITTING):
+        if given.pairs is None:
+            fitted = fit_axis_functions(
+                given.stimuli, given.ratings, forms=forms, name=given.name, provenance=provenance
+            )
+        else:
+            fitted = fit_gloss_space(
+                given.stimuli, given.pairs, given.ratings, level=level, ties=ties, interval=interval, seed=seed,
+                forms=forms, name=given.name, provenance=provenance,
+            )  # fmt: skip
     simulated = [name for name in given.participants if name in given.simulated]
     note_simulated(simulated, given.participants)
     fitted.space.save(out)
     _show(fitted, out, simulated, (*fitted.warnings, *given.remarks), json=json)
+
+
+def _check_replaceable(out: Path) -> None:
+    """Refuse a file that is there and no gloss space: it may be somebody's data."""
+    check_file_target(out)
+    if out.exists():
+        try:
+            GlossSpace.load(out)
+        except GlossError:
+            raise GlossError(
+                f"'{out}' is there and is no gloss space that can be read. Choose another name for --out."
+            ) from None
 
 
 def _from_dataset(dataset: Path, stimuli: Path | None) -> _Judgements:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import pandas as pd
 
 from gloss_analysis.commands.observers import note_simulated, simulated_of
-from glossspace.console import JsonFlag, note, print_json, print_table
+from gloss_analysis.commands.waiting import FITTING
+from glossspace.console import JsonFlag, note, noted_if_slow, print_json, print_table
 from glossspace.errors import GlossError
 from glossspace.files import check_file_target
 
@@ -145,7 +146,8 @@ def hypotheses(
     compared = None if given.ratings is None else compare_hypotheses(tested, given.stimuli, given.ratings)
     confirmed = None
     if given.pairs is not None:
-        confirmed = confirm_hypotheses(tested, given.stimuli, given.pairs, level=level, ties=ties)
+        with noted_if_slow(FITTING):
+            confirmed = confirm_hypotheses(tested, given.stimuli, given.pairs, level=level, ties=ties)
     sentences = hypotheses_in_words(compared, confirmed)
     remarks = given.remarks
     if confirmed is not None:

@@ -2,7 +2,6 @@
 
 import os
 import re
-import time
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -16,12 +15,14 @@ from gloss_analysis.commands.mds_output import (
     solution_document,
 )
 from gloss_analysis.commands.observers import note_simulated, simulated_of
+from gloss_analysis.commands.waiting import FITTING
 from glossspace.console import (
     JsonFlag,
     NumberOfJobs,
     Seed,
     WholeNumber,
     note,
+    noted_if_slow,
     print_json,
     progress_bar,
 )
@@ -35,8 +36,6 @@ if TYPE_CHECKING:
 
 __all__ = ["mds"]
 
-# Seconds from which somebody who waits wants to know why.
-_NOTICED = 2.0
 # Starts and replicates: more would not end.
 _MOST = 1_000_000
 
@@ -215,15 +214,12 @@ def _check_replaceable(out: Path) -> None:
 
 
 def _compile() -> None:
-    """Let the solver's kernels be compiled by a tiny problem, and say so if that took long."""
+    """Let the solver's kernels be compiled by a tiny problem, and say so if that takes long."""
     from gloss_analysis.judgements.square_matrix import from_matrices
     from gloss_analysis.mds import scale
 
-    start = time.perf_counter()
-    scale(from_matrices([[0, 1, 2], [1, 0, 4], [2, 4, 0]]), n_dims=2, n_starts=1)
-    took = time.perf_counter() - start
-    if took > _NOTICED:
-        note(f"The solver was compiled in {took:.0f} s. It is kept on disk: from now on this takes no time.")
+    with noted_if_slow(FITTING):
+        scale(from_matrices([[0, 1, 2], [1, 0, 4], [2, 4, 0]]), n_dims=2, n_starts=1)
 
 
 def _draw(

@@ -19,10 +19,19 @@ if TYPE_CHECKING:
     from gloss_analysis.design.population import Population
     from gloss_analysis.design.precision import DesignPrecision
 
-__all__ = ["PlannedStudy", "StudyOptions", "interval_columns", "numbers", "planned_study", "print_population"]
+__all__ = [
+    "PlannedStudy",
+    "StudyOptions",
+    "all_pairs",
+    "interval_columns",
+    "numbers",
+    "planned_study",
+    "print_population",
+]
 
 # Of anything that is counted: more would not end.
 _MOST = 10_000
+_FEWEST_STIMULI = 3
 
 
 @Parameter(name="*")
@@ -102,6 +111,11 @@ def planned_study(options: StudyOptions) -> PlannedStudy:
         table = judged if table is None else table
     elif table is None:
         table = _experiment_1()
+    n = len(table)
+    if n < _FEWEST_STIMULI:
+        raise GlossError(
+            f"'{options.stimuli}' holds {n} {'stimulus' if n == 1 else 'stimuli'}. A study needs at least 3."
+        )
     if options.space is not None or options.like is None:
         stated["ratio"] = space.weight_d / space.weight_c
     if options.space is not None:
@@ -131,6 +145,21 @@ def interval_columns(designs: "Sequence[DesignPrecision]") -> dict[str, list[str
             for one in designs
         ],
     }
+
+
+def all_pairs(study: PlannedStudy) -> int:
+    """How many pairs of different stimuli there are.
+
+    Raises
+    ------
+    GlossError
+        More than anybody judges, so that simulating that would not end.
+    """
+    n = len(study.names)
+    every = n * (n - 1) // 2
+    if every > _MOST:
+        raise GlossError(f"{n} stimuli have {every:,} pairs. Allowed: up to {_MOST:,} pairs. Give fewer --stimuli.")
+    return every
 
 
 def numbers(text: str, *, option: str, least: int) -> list[int]:

@@ -10,6 +10,7 @@ import pandas as pd
 from gloss_analysis.commands.observers import note_simulated, simulated_of
 from glossspace.console import JsonFlag, note, print_json, print_table
 from glossspace.errors import GlossError
+from glossspace.files import check_file_target
 from glossspace.named_space import named_space, note_simulated_space
 
 if TYPE_CHECKING:
@@ -66,6 +67,8 @@ def validate(
 
     if figure is not None and figure.suffix.lower() not in _FIGURE_SUFFIXES:
         raise GlossError(f"Invalid figure '{figure}'. Allowed: a file name that ends in {', '.join(_FIGURE_SUFFIXES)}.")
+    if figure is not None:
+        check_file_target(figure)
     if stimuli is None and table.exists() and not table.is_dir():
         raise GlossError(
             f"'{table}' does not tell what its stimuli are. Give --stimuli, a CSV file with the columns stimulus, "

@@ -41,7 +41,9 @@ class PairChoice:
     kept : ndarray of bool, shape (n (n - 1) / 2,)
         Upper triangle row by row.
     relative_error : float
-        Expected standard error of one observer's log ratio over that with all pairs; 1 or more.
+        Expected standard error of one observer's log ratio over that with all pairs; 1 or more. Infinite where these
+        pairs do not tell it to first order, NaN where all of them do not: a regular grid of stimuli has few different
+        distances, and the unknown response explains whatever changes with the distance alone.
     """
 
     kept: np.ndarray

@@ -20,6 +20,8 @@ _FEW = 0.9
 _NOT_NEAR_ZERO = 0.25
 # Pairs in common from which a correlation of ranks says anything.
 _FEWEST_COMMON = 6
+# A correlation of 0 may come out slightly below it.
+_ROUNDING = 1e-12
 
 
 def judgement_remarks(data: Dissimilarities, judgements: pd.DataFrame | None = None) -> tuple[str, ...]:
@@ -109,14 +111,15 @@ def _reversed(data: Dissimilarities) -> list[str]:
     judged = np.where(data.judged, data.values, np.nan)
     ranks = rankdata(judged, axis=1, nan_policy="omit")
     ranks /= np.maximum(data.judged.sum(axis=1, keepdims=True), 1)
-    singly = np.array([[_correlation(one, other) for other in ranks] for one in ranks])
+    # Compiled, since there is one for any two participants.
+    singly = pd.DataFrame(ranks.T).corr(min_periods=_FEWEST_COMMON).to_numpy()
     found = []
     for k, name in enumerate(data.participants):
         others = np.delete(ranks, k, axis=0)
         count = np.count_nonzero(~np.isnan(others), axis=0)
         mean = np.divide(np.nansum(others, axis=0), count, out=np.full(len(count), np.nan), where=count > 0)
         agreement, single = _correlation(ranks[k], mean), np.delete(singly[k], k)
-        if agreement < 0 and np.mean(single[~np.isnan(single)] < 0) > 0.5:
+        if agreement < -_ROUNDING and np.mean(single[~np.isnan(single)] < -_ROUNDING) > 0.5:
             found.append(f"{name} (rank correlation {agreement:.2f})")
     if not found:
         return []

@@ -98,9 +98,10 @@ def from_square_table(table: pd.DataFrame, source: str) -> Dissimilarities:
             )
         table = table.iloc[:, 1:]
     if len(names) != len(table):
+        hint = " Save it as CSV with commas, in UTF-8." if len(names) == 1 else ""
         raise GlossError(
             f"{source} lacks the column {COLUMNS[0]!r}. Expected the columns {', '.join(COLUMNS)}, or a square matrix; "
-            f"found {len(table)} rows below {len(names)} names: {', '.join(names)[:120]}."
+            f"found {len(table)} rows below {len(names)} names: {', '.join(names)[:120]}.{hint}"
         )
     cells = table.to_numpy()
     numbers = table.apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
