@@ -11,7 +11,7 @@ import argparse
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -40,6 +40,14 @@ PERMUTATIONS = 39
 KINDS = ("t", "studentised", "percentile")
 
 _Result = TypeVar("_Result")
+
+# Number of observers, and where the stimuli lie. On a grid many pairs are equally far apart.
+_GRID = np.array([(c, d) for c in (0.0, 0.3, 1.0) for d in (0.0, 0.2, 0.5, 0.56)])
+DESIGNS: dict[str, Callable[[np.random.Generator], tuple[int, np.ndarray]]] = {
+    "Experiment 1": lambda rng: (OBSERVERS, EXPERIMENT_1),
+    "12 at random": lambda rng: (5, rng.uniform(size=(12, 2))),
+    "12 on a grid": lambda rng: (5, _GRID),
+}
 
 
 def study(seed: np.random.SeedSequence, population: Population) -> Dissimilarities:
@@ -88,16 +96,19 @@ def compressed(seed: np.random.SeedSequence, exponent: float) -> list[float]:
     return [float(np.log(fitted(seed, population, level).population_ratio / TRUTH)) for level in LEVELS]
 
 
-def told_apart(seed: np.random.SeedSequence, sd: float) -> bool:
+def told_apart(seed: np.random.SeedSequence, design: str, population: Population) -> bool:
     """Whether the permutation test of own weights says that observers differ."""
-    data = study(seed, Population(sd_log_ratio=sd))
+    rng = np.random.default_rng(seed)
+    n_observers, places = DESIGNS[design](rng)
+    ratios = drawn_ratios(population, n_observers, rng)
+    data = simulated_study(places, ratios, population, rng=rng)
     number = int(seed.generate_state(1)[0])
-    found = confirm_indscal(data, EXPERIMENT_1, axes=AXES, n_permutations=PERMUTATIONS, seed=number)
+    found = confirm_indscal(data, places, axes=AXES, n_permutations=PERMUTATIONS, seed=number)
     return found.p_value is not None and found.p_value <= 0.05
 
 
 def over_studies(
-    one: Callable[..., _Result], case: tuple[float, ...], n: int, seed: int, jobs: int, progress: Progress, what: str
+    one: Callable[..., _Result], case: tuple[Any, ...], n: int, seed: int, jobs: int, progress: Progress, what: str
 ) -> list[_Result]:
     task = progress.add_task(what, total=n)
     seeds = np.random.SeedSequence(seed).spawn(n)  # the same studies in every case, but for what varies
@@ -166,10 +177,14 @@ def compression(given: argparse.Namespace, progress: Progress) -> Table:
 
 def indscal(given: argparse.Namespace, progress: Progress) -> Table:
     """How often the test of own weights says that observers differ, where they do not and where they do."""
-    n, run = given.studies // 4, (given.seed, given.jobs, progress)
-    table = Table("sd of log ratio", "said to differ, %", title=f"Test of own weights, {n} studies")
-    for sd in SPREADS[:2]:
-        table.add_row(f"{sd:g}", share(np.array(over_studies(told_apart, (sd,), n, *run, f"INDSCAL {sd:g}"))))
+    n, run = given.studies, (given.seed, given.jobs, progress)
+    table = Table("design", "noise", "sd of log ratio", "studies", "said to differ, %", title="Test of own weights")
+    cases = [("Experiment 1", 4.0, sd, n // 4) for sd in SPREADS[:2]]
+    cases += [(design, noise, 0.0, n) for design in ("12 at random", "12 on a grid") for noise in (5.0, 15.0)]
+    for design, noise, sd, count in cases:
+        population = Population(sd_log_ratio=sd, noise_sd=noise)
+        found = over_studies(told_apart, (design, population), count, *run, f"{design}, {noise:g}, {sd:g}")
+        table.add_row(design, f"{noise:g}", f"{sd:g}", f"{count}", share(np.array(found)))
     return table
 
 
