@@ -161,9 +161,9 @@ def confirm_indscal(
     **The test.** Judgements are drawn for which one set of weights is true for all (`permuted_residuals` about the
     shared fit), so that each participant's response curve, noise and answers stay as they are. Own weights always fit
     better; p is how often they take as large a part of the stress where they are noise.
-    It errs on the safe side where stimuli lie on a grid and judgements are few and fine: in 400 simulated studies of five
-    participants who weighed alike, 66 pairs and noise of 5 on a slider of 100, p was .05 or less in 1.5 %; with places
-    at random in 4.8 % (``benchmarks/confirm_claims.py``).
+    It errs on the safe side where stimuli lie on a grid and judgements are few and fine: in 400 simulated studies of
+    five participants who weighed alike, 66 pairs and noise of 5 on a slider of 100, p was .05 or less in 1.5 %; with
+    places at random in 4.8 % (``benchmarks/confirm_claims.py``).
 
     **Shared weights** are those that minimise the common objective, and biased upwards where participants differ (see
     `gloss_analysis.confirmatory.scaling`). Here they are only what own weights are compared with.
