@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from glossspace.errors import GlossError
 from glossspace.metric.validity import FloatArray
 from glossspace.reflectance import ward_terms
-from glossspace.reflectance.fresnel import fresnel_reflectance, require_index
+from glossspace.reflectance.fresnel import interface_reflectance, require_index
 from glossspace.reflectance.half_vector import HalfVector, half_vector, mirrored_at_slopes
 from glossspace.reflectance.model import (
     Parameter,
@@ -89,7 +89,7 @@ class CookTorrance(ReflectanceModel):
     def evaluate(self, incident: ArrayLike, exitant: ArrayLike) -> FloatArray:
         """BRDF (1/sr) of the lobe; see `ReflectanceModel.evaluate`."""
         half = half_vector(incident, exitant, self.channels)
-        fresnel = fresnel_reflectance(np.minimum(half.half_dot_i, 1), self.n, self.k)
+        fresnel = interface_reflectance(half.half_dot_i, self.n, self.k)
         if self.form == "paper":
             facets = np.exp(-((_delta(half) / self.slope) ** 2)) / np.pi
         else:

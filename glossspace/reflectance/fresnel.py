@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike
 from glossspace.errors import GlossError
 from glossspace.metric.validity import FloatArray, as_float_arrays, require
 
-__all__ = ["fresnel_reflectance", "require_index"]
+__all__ = ["fresnel_reflectance", "interface_reflectance", "require_index"]
 
 # No material comes near; beyond, squares of squares would leave double precision.
 _LARGEST_INDEX = 1e6
@@ -53,9 +53,15 @@ def fresnel_reflectance(cos_theta: ArrayLike, n: ArrayLike, k: ArrayLike = 0.0) 
     cos_theta, n, k = as_float_arrays(cos_theta=cos_theta, n=n, k=k)
     require((cos_theta >= 0) & (cos_theta <= 1 + _ROUNDING), cos_theta, name="cos_theta", allowed="0 to 1")
     require_index(n, k)
+    return interface_reflectance(cos_theta, n, k)
+
+
+def interface_reflectance(cos_theta: FloatArray, n: FloatArray, k: FloatArray) -> FloatArray:
+    """`fresnel_reflectance` of what is known to be in range, for models that have checked their index."""
     u = np.minimum(cos_theta, 1.0)
     sin2 = (1 - u) * (1 + u)
-    index = n + 1j * k
+    # Real numbers where s is real take half the time.
+    index = n if np.all(n >= 1) and not np.any(k) else n + 1j * k
     nothing = index == 1
     index = np.where(nothing, 2.0, index)  # where it would be 0/0 at grazing; the last line has the answer
     # Factored, and s − u as this over s + u, so that an index near one keeps its digits.

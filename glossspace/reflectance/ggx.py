@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from glossspace.metric.validity import FloatArray
-from glossspace.reflectance.fresnel import fresnel_reflectance, require_index
+from glossspace.reflectance.fresnel import interface_reflectance, require_index
 from glossspace.reflectance.half_vector import HalfVector, half_vector, mirrored
 from glossspace.reflectance.model import (
     Parameter,
@@ -84,7 +84,7 @@ class Ggx(ReflectanceModel):
     def evaluate(self, incident: ArrayLike, exitant: ArrayLike) -> FloatArray:
         """BRDF (1/sr) of the lobe; see `ReflectanceModel.evaluate`."""
         half = half_vector(incident, exitant, self.channels)
-        fresnel = 1.0 if self.n is None else fresnel_reflectance(np.minimum(half.half_dot_i, 1), self.n, self.k)
+        fresnel = 1.0 if self.n is None else interface_reflectance(half.half_dot_i, self.n, self.k)
         seen = self._visible_over_cosine(half.cos_i) * self._visible_over_cosine(half.cos_o)
         return half.reflected(self.rho_s * fresnel * self._facets(half) * seen / 4)
 
