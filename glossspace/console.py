@@ -4,6 +4,7 @@ import json
 import math
 import sys
 import threading
+import unicodedata
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Annotated, Any
@@ -26,6 +27,7 @@ __all__ = [
     "noted_if_slow",
     "print_json",
     "print_table",
+    "printable",
     "progress_bar",
 ]
 
@@ -114,12 +116,23 @@ def _cell(value: Any) -> str:
         return "yes" if value else "no"
     if isinstance(value, float | np.floating):
         return "–" if np.isnan(value) else f"{value:.6g}"
-    return str(value)
+    return printable(str(value))
+
+
+def printable(text: str) -> str:
+    """A text without the control characters by which a name from a file could command the terminal.
+
+    Examples
+    --------
+    >>> printable("a\\x1b[2Jb")
+    'a�[2Jb'
+    """
+    return "".join("�" if unicodedata.category(sign) == "Cc" and sign not in "\n\t" else sign for sign in text)
 
 
 def note(message: str) -> None:
     """Print a remark for the person at the terminal: on stderr, so that stdout stays the result."""
-    Console(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False).print(message)
+    Console(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False).print(printable(message))
 
 
 @contextmanager

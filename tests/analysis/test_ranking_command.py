@@ -98,6 +98,7 @@ def test_mistakes(refused, files, tmp_path):
     assert "Invalid tolerance" in refused("ranking", *files, *known, "--tolerance", "-1")
     assert "Invalid number of permutations 5" in refused("ranking", *files, *known, "--permutations", "5")
     assert "does not tell the reference. Give --reference" in refused("ranking", *files)
+    assert "--task is of a dataset folder" in refused("ranking", *files, *known, "--task", "other")
     assert "does not tell what its stimuli are. Give --stimuli" in refused("ranking", files[0], *known)
     assert "No rank table" in refused("ranking", tmp_path / "no.csv", *files[1:], *known)
     assert "--rank-1" in refused("ranking", *files, *known, "--rank-1", "best")

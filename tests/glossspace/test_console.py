@@ -1,6 +1,9 @@
-"""What is said to somebody who waits."""
+"""What is said to somebody who waits, and names that could command a terminal."""
 
 import time
+
+import pandas as pd
+import pytest
 
 from glossspace import console
 
@@ -18,3 +21,12 @@ def test_slow_work_is_announced_and_quick_work_is_not(capsys, monkeypatch):
     with console.noted_if_slow("Fitting."):
         pass
     assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("sign", ["\x1b", "\x07", "\x7f", "\x00", "\r", "\x9b"])
+def test_names_from_files_do_not_command_the_terminal(capsys, sign):
+    console.note(f"No 'a{sign}[2J' here.")
+    console.print_table(pd.DataFrame({"name": [f"b{sign}[2J\nc"]}))
+    out, err = capsys.readouterr()
+    assert sign not in out + err
+    assert err == "No 'a�[2J' here.\n"

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ranking"]
 
+_TASK = "ranking"
 _FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 
 
@@ -29,7 +30,7 @@ def ranking(
     *,
     stimuli: Path | None = None,
     reference: str | None = None,
-    task: str = "ranking",
+    task: str | None = None,
     space: str = "paper",
     ranked_by: Literal["gloss", "difference"] = "gloss",
     rank_1: Literal["least", "most"] = "least",
@@ -65,7 +66,7 @@ def ranking(
     reference
         Name of the stimulus from which distances are measured; it need not be ranked. By default that of the dataset.
     task
-        Name of the ranking task in the dataset.
+        Name of the ranking task in the dataset; ranking by default.
     space
         A gloss-space.json, or the word paper for the gloss paper's space.
     ranked_by
@@ -126,16 +127,18 @@ def ranking(
     print("\n".join(study.sentences))
 
 
-def _rankings(table: Path, task: str, reference: str | None) -> "tuple[Rankings, str]":
+def _rankings(table: Path, task: str | None, reference: str | None) -> "tuple[Rankings, str]":
     """Rankings, and the reference of those that were ranked round one."""
     from gloss_analysis.ranking.rank_table import from_rank_table, read_ranks
     from glossspace.dataset import read_rankings
 
     if not table.is_dir():
+        if task is not None:
+            raise GlossError(f"--task is of a dataset folder, and '{table}' is none. Leave --task out.")
         if reference is None:
             raise GlossError(f"'{table}' does not tell the reference. Give --reference, the name of a stimulus.")
         return read_ranks(table), reference
-    ranked = read_rankings(table, task)
+    ranked = read_rankings(table, task or _TASK)
     known = sorted(ranked["reference"].unique())
     if reference is None and len(known) > 1:
         raise GlossError(f"The dataset '{table}' has several references: {', '.join(known)}. Choose with --reference.")
