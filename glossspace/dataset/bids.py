@@ -86,7 +86,8 @@ def export_bids(folder: str | Path, out: str | Path, *, texts: Mapping[str, Task
     Raises
     ------
     GlossError
-        The dataset is not whole, or `out` holds something or cannot be written to.
+        The dataset is not whole, two of its files would have one name, or `out` holds something or cannot be written
+        to.
 
     Examples
     --------
@@ -98,6 +99,7 @@ def export_bids(folder: str | Path, out: str | Path, *, texts: Mapping[str, Task
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise GlossError(f"Cannot export to '{out}': something is there already. Give a new folder.")
     check_folder_target(out)
+    _refuse_shared_names(tables)
     try:
         out.absolute().parent.mkdir(parents=True, exist_ok=True)
         part = Path(tempfile.mkdtemp(dir=out.absolute().parent, prefix=f".{out.name}-", suffix=".part"))
@@ -126,6 +128,19 @@ def _labels(table: DataFile) -> dict[str, str]:
     labels = file_name_labels(table.path.name)
     assert labels is not None  # its table was checked
     return labels
+
+
+def _refuse_shared_names(tables: Iterable[tuple[DataFile, TaskKind]]) -> None:
+    """Psych-DS allows further labels in a file's name, which an export leaves out."""
+    named: dict[tuple[str, str, str], Path] = {}
+    for table, _ in tables:
+        labels = _labels(table)
+        first = named.setdefault((labels["subject"], labels["session"], labels["task"]), table.path)
+        if first != table.path:
+            raise GlossError(
+                f"Cannot export '{table.path}' beside '{first}': participant, session and task are the same, so the "
+                "one would take the other's place. Give one of them another session, or make them one file."
+            )
 
 
 def _write_session(root: Path, table: DataFile, kind: TaskKind, texts: TaskTexts | None) -> None:

@@ -1,5 +1,6 @@
 """Readers: from a whole dataset to the tables that analyses take."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -88,7 +89,9 @@ def read_magnitudes(folder: str | Path, task: str) -> pd.DataFrame:
         raise GlossError(
             f"The dataset '{folder}' holds no rating of the task '{task}'; its magnitude tasks are: {', '.join(there)}."
         )
-    return _with_repeats_counted_on(rows, "rating")[["participant_id", "stimulus", "repeat", "rating"]]
+    return _with_repeats_counted_on(rows, "rating", within=["participant_id", "stimulus"])[
+        ["participant_id", "stimulus", "repeat", "rating"]
+    ]
 
 
 def read_rankings(folder: str | Path, task: str) -> pd.DataFrame:
@@ -132,16 +135,26 @@ def read_rankings(folder: str | Path, task: str) -> pd.DataFrame:
         raise GlossError(
             f"The dataset '{folder}' holds no rank of the task '{task}'; its ranking tasks are: {', '.join(there)}."
         )
-    table = _with_repeats_counted_on(rows, "rank", "reference")
+    # A ranking stays together, also where the stimuli of the sessions are not the same.
+    table = _with_repeats_counted_on(rows, "rank", "reference", within=["participant_id"])
     return table[["participant_id", "stimulus", "rank", "repeat", "reference"]]
 
 
-def _with_repeats_counted_on(rows: list[tuple[str | int | float, ...]], *answers: str) -> pd.DataFrame:
+def _with_repeats_counted_on(
+    rows: list[tuple[str | int | float, ...]], *answers: str, within: Sequence[str]
+) -> pd.DataFrame:
+    """The rows in order; where somebody had two sessions, the repeats of the second count on, `within` whose those are.
+
+    So (participant, stimulus, repeat) is a key.
+    """
     table = pd.DataFrame(rows, columns=["participant_id", "stimulus", "session", "repeat", *answers])
-    table = table.sort_values(["participant_id", "stimulus", "session", "repeat"], ignore_index=True)
+    table["length"] = table["session"].str.len()  # session 10 comes after session 9
+    showing = ["length", "session", "repeat"]
+    table = table.sort_values(["participant_id", "stimulus", *showing], ignore_index=True)
     if table.groupby("participant_id")["session"].nunique().max() > 1:
-        # Repeats of a second session count on from the first's, so that (participant, stimulus, repeat) is a key.
-        table["repeat"] = table.groupby(["participant_id", "stimulus"]).cumcount() + 1
+        showings = table[[*within, *showing]].drop_duplicates().sort_values([*within, *showing], ignore_index=True)
+        showings["place"] = showings.groupby(list(within)).cumcount() + 1
+        table["repeat"] = table.merge(showings, on=[*within, *showing], how="left")["place"]
     return table
 
 

@@ -82,6 +82,37 @@ def test_a_left_out_trial(study):
     assert any(remark.startswith("Not finished: participant 01, session 1") for remark in found.remarks)
 
 
+def test_a_person_who_is_listed_as_simulated(study):
+    header, *lines = lines_of(pairwise_journal(study))
+    rewrite(pairwise_journal(study), [header | {"observer": {"kind": "human"}}, *lines])
+    who = [
+        problem for problem in check_dataset(study).problems if problem.startswith("Participant '01' is a person in ")
+    ]
+    assert len(who) == 1
+
+
+def test_a_judged_trial_that_is_called_a_catch_trial(study):
+    """It is the right pair at its place, but its row would be left out of the data."""
+    lines = lines_of(pairwise_journal(study))
+    line = next(line for line in lines if line.get("role") == "judged")
+    line["role"] = "catch"
+    rewrite(pairwise_journal(study), lines)
+    pairwise_data(study).unlink()
+    (problem,) = (line for line in check_dataset(study).problems if "the order drawn from seed 4" in line)
+    pair = " with ".join(line["stimuli"])
+    assert f"shows {pair} as catch trial {line['trial']} of block 1, repeat 1, but" in problem
+    assert f"has {pair} as judged trial {line['trial']} of block 1, repeat 1 there" in problem
+
+
+def test_a_trial_too_many(study):
+    """A catch trial gives no row, so that the data file does not tell."""
+    lines = lines_of(pairwise_journal(study))
+    last = next(i for i in reversed(range(len(lines))) if lines[i]["type"] == "trial")
+    extra = lines[last] | {"trial": lines[last]["trial"] + 1, "role": "catch"}
+    rewrite(pairwise_journal(study), [*lines[: last + 1], extra, *lines[last + 1 :]])
+    assert "has 17 trials, 1 more than its protocol makes" in the_problem(study)
+
+
 def test_a_changed_rating(study):
     data = pairwise_data(study)
     lines = data.read_text("utf-8").splitlines()

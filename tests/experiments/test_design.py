@@ -98,6 +98,10 @@ def test_sessions_of_a_study_do_not_share_a_seed():
         for task in ("pairwise", "doi")
     }
     assert len(seeds) == 24
+    one, other = (("1", "11"), ("11", "1"))  # run together they would be the same
+    assert session_seed(0, participant=one[0], session=one[1], task="doi") != session_seed(
+        0, participant=other[0], session=other[1], task="doi"
+    )
     assert all(0 <= seed < 2**48 for seed in seeds)
     assert session_seed(1, participant="01", session="1", task="doi") == session_seed(
         1, participant="01", session="1", task="doi"
@@ -146,6 +150,30 @@ def test_a_repeated_catch_trial_comes_long_after_the_first():
     assert len(repeated) == 10
     assert len({trial.stimuli for _, trial in repeated}) == 10, "none twice"
     assert all(i - place[trial.stimuli[::-1]] >= 10 for i, trial in repeated if i > 20)
+
+
+def test_practice_is_not_the_beginning_of_what_is_judged():
+    trials = session_trials(with_design(PAIRWISE, practice=10), NAMES, **WHO)
+    practised, judged = ([frozenset(t.stimuli) for t in some] for some in (trials[:10], trials[10:20]))
+    assert practised != judged
+
+
+def test_no_pair_is_a_catch_trial_twice():
+    """Half of ten catch trials repeat one of 66 pairs: drawn blindly, some of fifty sessions would have one twice."""
+    for seed in range(50):
+        trials = design_trials(with_design(PAIRWISE, catch_trials=10), NAMES[:12], seed=seed)
+        repeated = [(i, t.stimuli) for i, t in enumerate(trials) if t.role == "catch" and len(set(t.stimuli)) == 2]
+        # The first one may come before ten trials were shown, when there is little to choose from.
+        later = [stimuli for i, stimuli in repeated if i > 20]
+        assert len(set(later)) == len(later)
+
+
+def test_catch_trials_of_two_days_do_not_share_their_places():
+    protocol = with_design(PAIRWISE, catch_trials=6, sessions=2)
+    days = [session_trials(protocol, NAMES, **(WHO | {"session": day})) for day in ("1", "2")]
+    places = [[t.number for t in trials if t.role == "catch"] for trials in days]
+    assert len(places[0]) == len(places[1]) == 6
+    assert places[0] != places[1]
 
 
 def test_more_catch_trials_than_trials():

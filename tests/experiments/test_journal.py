@@ -1,4 +1,5 @@
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -43,6 +44,10 @@ def test_one_line_a_trial(path):
     lines = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
     assert [line["type"] for line in lines] == ["header", "trial", "trial"]
     assert lines[1]["stimuli"] == ["a", "b"]
+    assert lines[1]["mode"] == "screen"
+    with Journal(path) as journal:
+        journal.append(ANSWERS[2], mode="simulate")
+    assert json.loads(path.read_text(encoding="utf-8").splitlines()[-1])["mode"] == "simulate", "as it was answered"
 
 
 def test_what_is_written_is_read(path):
@@ -63,7 +68,7 @@ def test_every_kind_of_answer_is_read_as_it_was_written(tmp_path):
         Answer(Trial(1, 1, 1, ("a", "b"), "practice"), 10, 1.5),
         Answer(Trial(2, 1, 1, ("b", "a"), "practice"), None, 2.0, timed_out=True),
         Answer(Trial(1, 1, 1, ("a", "b")), 20, 1.25, trace=trace),
-        Answer(Trial(2, 1, 1, ("b", "a"), "catch"), 30, trace=Trace()),
+        Answer(Trial(2, 3, 1, ("b", "a"), "catch"), 30, trace=Trace()),
         Answer(ranking, None, 60.5, order=("b", "a")),
         Answer(Trial(4, 2, 2, ranking.stimuli), None, 60.5, trace=trace, timed_out=True),
     ]
@@ -142,6 +147,7 @@ def test_a_torn_header_begins_anew(path):
                 ({"stimuli": [1, 2]}, r"the stimuli \[1, 2\] are no list of names"),
                 ({"timed_out": None}, "timed_out None is neither true nor false"),
                 ({"response_time_s": "1.5"}, "the response time '1.5' is no time"),
+                ({"response_time_s": -0.5}, "the response time -0.5 is no time"),
                 ({"trace": {"n_changes": "two"}}, "n_changes 'two' is no number"),
             )
         ),
@@ -221,3 +227,39 @@ def test_a_full_disk_keeps_what_is_written(path):
     assert path.read_bytes() == before
     with Journal(path) as journal:
         assert journal.answers == ANSWERS[:2]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="folders can be flushed there alone")
+def test_each_line_is_on_the_disk_before_the_next_trial(tmp_path, monkeypatch):
+    """What has been written is flushed, and before it the names of the new file and of the folders made for it."""
+    flushed = []
+    real = os.fsync
+
+    def fsync(descriptor):
+        real(descriptor)
+        flushed.append((os.fstat(descriptor).st_ino, os.fstat(descriptor).st_size))
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    path = tmp_path / "dataset" / "journals" / "one.jsonl"
+    with Journal(path) as journal:
+        folders = (path.parent, path.parent.parent, tmp_path)
+        assert {folder.stat().st_ino for folder in folders} == {inode for inode, _ in flushed}
+        journal.begin(HEADER)
+        for answer in ANSWERS:
+            journal.append(answer, mode="screen")
+            assert flushed[-1] == (path.stat().st_ino, path.stat().st_size)
+        journal.finish()
+        assert flushed[-1] == (path.stat().st_ino, path.stat().st_size)
+
+
+def test_a_journal_that_was_removed_while_it_was_opened_is_not_written(tmp_path, monkeypatch):
+    """Another process ends its session that could not begin, and removes the empty file between opening and locking."""
+    path = tmp_path / "one.jsonl"
+
+    def try_lock(stream):
+        path.unlink()
+        return True
+
+    monkeypatch.setattr("gloss_experiments.session.journal.try_lock", try_lock)
+    with pytest.raises(GlossError, match="was removed while it was opened; run the command again"), Journal(path):
+        pass

@@ -18,6 +18,14 @@ def test_a_noiseless_observer_is_eq_5_scaled_to_the_range():
     assert ratings == [100, 50, 0]
 
 
+def test_each_dimension_has_its_own_weight():
+    """Differences 3, 4 and 5 of a right triangle, and levels 0, 3 and 4: the axes above lie on one line."""
+    axes = {"o": (0.0, 0.0), "c": (0.3, 0.0), "d": (0.0, 0.2)}
+    judge = Judge(SimulatedObserver(weight_c=1.0, weight_d=2.0, exponent=1.0, noise_sd=0.0), axes, seed=1)
+    assert [judge.rate(Trial(1, 1, 1, pair)) for pair in (("o", "c"), ("o", "d"), ("c", "d"))] == [60, 80, 100]
+    assert [judge.rate(Trial(1, 1, 1, (name,))) for name in axes] == [0, 75, 100]
+
+
 def test_compression_raises_small_differences():
     judge = Judge(SimulatedObserver(1.0, 1.78, 0.5, 0.0), AXES, seed=1)
     assert judge.rate(Trial(1, 1, 1, ("dull", "middle"))) == 71  # 100 sqrt(1/2) = 70.7

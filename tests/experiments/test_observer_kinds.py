@@ -37,6 +37,7 @@ def test_more_observers_do_not_change_the_first():
 def test_the_named_observer_is_the_same_person_in_every_task():
     assert observer_named("01", seed=0) == observer_named("01", seed=0)
     assert len({observer_named(name, seed=0) for name in ("1", "01", "02")}) == 3
+    assert observer_named("01", seed=0) != observer_named("01", seed=1), "another study has other people"
 
 
 @pytest.mark.parametrize("kind", [name for name in OBSERVER_KINDS if name not in {"metric", "images"}])

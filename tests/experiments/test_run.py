@@ -108,10 +108,35 @@ def test_an_interrupted_session_goes_on_where_it_was(experiment1, tmp_path, n):
     with pytest.raises(KeyboardInterrupt):
         run_session("doi", stimuli=experiment1, dataset=tmp_path / "a", participant="01", seed=3, on_trial=interrupt)
     assert data_of(tmp_path / "a") == {}
+    (journal,) = (tmp_path / "a").rglob("*.jsonl")
+    with journal.open("ab") as stream:
+        stream.write(b'{"type": "trial", "tri')
     result = run_session("doi", stimuli=experiment1, dataset=tmp_path / "a", participant="01")  # with its own seed
-    assert (result.n_before, result.seed) == (n, 3)
+    assert (result.n_before, result.seed, result.torn) == (n, 3, True)
+    (resumed,) = (line for line in lines_of(journal) if line["type"] == "resumed")
+    assert resumed["torn"] is True
     run_session("doi", stimuli=experiment1, dataset=tmp_path / "b", participant="01", seed=3)
     assert data_of(tmp_path / "a") == data_of(tmp_path / "b")
+
+
+def test_a_session_in_another_order_than_is_drawn_now_does_not_go_on(experiment1, tmp_path):
+    """Another version drew it: what follows would repeat some trials and leave others out."""
+
+    def interrupt(done, total):
+        if done == 5:
+            raise KeyboardInterrupt
+
+    words = {"stimuli": experiment1, "dataset": tmp_path, "participant": "01"}
+    with pytest.raises(KeyboardInterrupt):
+        run_session("doi", on_trial=interrupt, **words)
+    (journal,) = tmp_path.rglob("*.jsonl")
+    lines = lines_of(journal)
+    lines[2]["stimuli"], lines[4]["stimuli"] = lines[4]["stimuli"], lines[2]["stimuli"]
+    text = "".join(json.dumps(line) + "\n" for line in lines)
+    journal.write_text(text, encoding="utf-8")
+    with pytest.raises(GlossError, match="not in the order that this version draws from their seed"):
+        run_session("doi", **words)
+    assert journal.read_text(encoding="utf-8") == text
 
 
 def test_killed_between_the_data_and_their_description(experiment1, tmp_path):

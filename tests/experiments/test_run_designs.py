@@ -1,9 +1,13 @@
 """Whole sessions of designs with practice, catch trials, rankings, pilots and several days."""
 
+from dataclasses import replace
+
 import pytest
 
 from gloss_experiments import SimulatedObserver, run_session
-from glossspace.dataset import read_dissimilarities, read_magnitudes, read_rankings
+from gloss_experiments.session.journal import Journal
+from gloss_experiments.session.plan import plan_session
+from glossspace.dataset import read_dissimilarities, read_magnitudes, read_rankings, read_simulated_observers
 from glossspace.errors import GlossError
 from glossspace.stimulus_set import read_stimulus_set
 from tests.experiments.session_files import data_of, lines_of, rows_of, with_design
@@ -83,7 +87,7 @@ def test_a_pilot_is_kept_apart_from_the_data(experiment1, tmp_path):
         read_magnitudes(tmp_path, "doi")
 
 
-def test_a_design_split_over_days(experiment1, tmp_path):
+def test_a_design_split_over_days(experiment1, small_set, tmp_path):
     protocol = with_design("pairwise", sessions=3)
     words = {"stimuli": experiment1, "dataset": tmp_path, "participant": "01"}
     first = run_session(protocol, session=1, seed=7, **words)
@@ -93,6 +97,12 @@ def test_a_design_split_over_days(experiment1, tmp_path):
         run_session(protocol, session=3, seed=8, **words)
     with pytest.raises(GlossError, match="had another protocol_sha256"):
         run_session(with_design("pairwise", sessions=4), session=3, **words)
+    with pytest.raises(GlossError, match="had another stimuli_sha256"):
+        run_session(protocol, session=3, **(words | {"stimuli": small_set}))
+    same = read_stimulus_set(experiment1)
+    turned = replace(same, stimuli=same.stimuli[::-1])  # the very same images
+    with pytest.raises(GlossError, match="had the stimuli of the set in another order"):
+        run_session(protocol, session=3, **(words | {"stimuli": turned}))
     with pytest.raises(GlossError, match="a number from 1 to 3, not '4'"):
         run_session(protocol, session=4, **words)
     assert not list(tmp_path.rglob("*session-[34]*"))
@@ -100,3 +110,26 @@ def test_a_design_split_over_days(experiment1, tmp_path):
     pairs = read_dissimilarities(tmp_path)
     assert len(pairs) == 378, "together the whole design"
     assert not pairs.duplicated(["stimulus_a", "stimulus_b"]).any()
+
+
+def test_no_simulated_answer_is_without_its_name(small_set, tmp_path, monkeypatch):
+    """A kill before the header is written leaves the observer noted, so that its answers never pass for a person's."""
+
+    def killed(journal, header):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Journal, "begin", killed)
+    with pytest.raises(KeyboardInterrupt):
+        run_session("doi", stimuli=small_set, dataset=tmp_path, participant="01")
+    assert read_simulated_observers(tmp_path)["participant_id"].tolist() == ["01"]
+
+
+def test_no_two_sessions_share_their_simulated_errors(small_set, tmp_path):
+    words = {"stimuli": small_set, "dataset": tmp_path, "mode": "headless", "observer": None, "pilot": False}
+    sessions = [(*who, seed) for who in (("01", "1"), ("01", "2"), ("02", "1")) for seed in (0, 1)]
+    seeds = {
+        plan_session(task, participant=name, session=session, seed=seed, **words).judge_seed
+        for task in ("doi", "pairwise")
+        for name, session, seed in sessions
+    }
+    assert len(seeds) == 12

@@ -153,6 +153,10 @@ def test_a_font_that_cannot_write_the_texts_is_refused(small_set, tmp_path):
     assert "fc-list :charset=5149 family" in told["label"], "the first one, U+5149"
     assert " …. Name" in told["many"]
     assert told["elsewhere"].startswith("texts.font 'No Such Font' is not installed here")
+    assert told["nameless"].startswith("texts.font '' is not installed here")
+    # Of a letter with marks FreeType draws the first sign: another word in Lao, the same one in Hebrew.
+    assert told["lao"].startswith("The window draws no marks on letters on this system: of ເບິ່ it would")
+    assert told["pointed"] is told["decomposed"] is None
 
 
 def test_without_psychopy_one_line_says_what_to_install(small_set, tmp_path, monkeypatch):

@@ -283,6 +283,10 @@ def fonts(stimuli, folder):
         "label": {"finished": "光沢光沢", "font": "DejaVu Sans"},
         "many": {"question": "".join(map(chr, range(0x4E00, 0x4E20)))},
         "elsewhere": {"font": "No Such Font"},
+        "nameless": {"font": ""},
+        "lao": {"question": "ເບິ່ງ", "font": "DejaVu Sans"},
+        "pointed": {"question": "שָׁלוֹם", "font": "DejaVu Sans"},
+        "decomposed": {"question": "Glanz fu\u0308r", "font": "DejaVu Sans"},
     }.items():
         try:
             with open_screen(protocol_with("doi", texts=texts, display={"fullscreen": False}), images):

@@ -177,3 +177,26 @@ def test_the_validator_of_the_standard_finds_no_error(study, tmp_path):
     # What is only recommended and cannot be known: institution, ontology terms, license, authors.
     missing = {"SIDECAR_KEY_RECOMMENDED", "JSON_KEY_RECOMMENDED", "NO_AUTHORS", "TOO_FEW_AUTHORS"}
     assert {issue["code"] for issue in issues} <= missing
+
+
+def test_two_files_of_one_session_do_not_take_each_others_place(study, tmp_path):
+    """Psych-DS allows more labels in a name, such as the run; both files are data, and an export holds one a task."""
+    first = study / "data" / "subject-01" / "subject-01_session-1_task-pairwise_data.csv"
+    second = first.with_name("subject-01_session-1_task-pairwise_run-2_data.csv")
+    changed = first.read_text(encoding="utf-8").replace("pairwise-000", "pairwise-100")
+    rows = [line.split(",") for line in changed.splitlines()]
+    repeat = rows[0].index("repeat")
+    again = [rows[0], *([*row[:repeat], "2", *row[repeat + 1 :]] for row in rows[1:])]
+    second.write_text("".join(",".join(row) + "\n" for row in again), encoding="utf-8")
+    with pytest.raises(GlossError, match=r"run-2_data\.csv' beside '.*task-pairwise_data\.csv'"):
+        export_bids(study, tmp_path / "bids")
+    assert not (tmp_path / "bids").exists()
+
+
+def test_no_column_is_lost(study, tmp_path):
+    export_bids(study, tmp_path / "bids")
+    ours = study / "data" / "subject-01" / "subject-01_session-1_task-pairwise_data.csv"
+    theirs = tmp_path / "bids" / "sub-01" / "ses-1" / "beh" / "sub-01_ses-1_task-pairwise_beh.tsv"
+    columns = ours.read_text(encoding="utf-8").splitlines()[0].replace("response_time_s", "response_time").split(",")
+    kept = [name for name in columns if name not in ("participant_id", "session", "task")]
+    assert theirs.read_text(encoding="utf-8").splitlines()[0].split("\t") == kept

@@ -12,7 +12,9 @@ from glossspace.dataset import (
     read_dissimilarities,
     read_magnitudes,
     read_simulated_observers,
+    read_stimuli,
     record_simulated_observer,
+    record_stimuli,
     tasks_of,
     update_description,
     validate_dataset,
@@ -20,6 +22,7 @@ from glossspace.dataset import (
 )
 from glossspace.dataset.schema import file_name_labels
 from glossspace.errors import GlossError
+from glossspace.stimulus_set import Stimulus
 
 PAIRS = [("b", "a", 40), ("a", "a", 0), ("b", "b", 3)]
 PARAMETERS = {"weight_c": 1.0, "weight_d": 1.7, "exponent": 0.8, "noise_sd": 4.0, "ratio": 1.7}
@@ -142,6 +145,8 @@ def test_magnitudes(study):
     assert table.to_numpy().tolist() == [["01", "a", 1, 20.0], ["01", "a", 2, 24.0]]
     write_ratings(study, session="2")
     assert read_magnitudes(study, "doi")["repeat"].tolist() == [1, 2, 3, 4]
+    write_ratings(study, session="10", ratings=((1, "a", 30),))
+    assert read_magnitudes(study, "doi")["rating"].tolist() == [20, 24, 20, 24, 30], "session 10 comes after session 2"
 
 
 def test_an_unknown_task_lists_the_known_ones(study):
@@ -375,3 +380,12 @@ def test_a_held_lock_is_waited_for_and_then_told(tmp_path):
         pass
     with locked(tmp_path / ".lock", timeout_s=0.1):
         pass
+
+
+def test_stimuli_of_another_set_join_those_that_are_known(tmp_path):
+    first, second = (Stimulus(name, 0.1, 0.05, alpha) for name, alpha in (("a", 0.04), ("b", 0.07)))
+    record_stimuli(tmp_path, [first], source="one")
+    record_stimuli(tmp_path, [second], source="another")
+    assert read_stimuli(tmp_path).to_numpy().tolist() == [["a", 0.1, 0.05, 0.04], ["b", 0.1, 0.05, 0.07]]
+    with pytest.raises(GlossError, match=r"'a' has alpha 0\.07 in 'third' but 0\.04 in"):
+        record_stimuli(tmp_path, [Stimulus("a", 0.1, 0.05, 0.07)], source="third")

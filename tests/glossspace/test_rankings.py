@@ -52,6 +52,13 @@ def test_what_is_written_is_read(study):
     ranks = {name: one.sort_values("repeat")["rank"].tolist() for name, one in table.groupby("stimulus")}
     assert ranks == {"a": [2, 3, 2], "b": [1, 1, 3], "c": [3, 2, 1]}, "repeats count on; the unfinished one is absent"
     assert set(table["repeat"]) == {1, 2, 3}
+    # Another set on a third day is a fourth ranking, also for a stimulus that was not there before.
+    write_session_data(study, ranking("dca", start=("a", "c", "d")), kind="ranking", session="3", **WHO)
+    last = read_rankings(study, "order").query("repeat == 4").set_index("stimulus")["rank"]
+    assert last.to_dict() == {"a": 3, "c": 2, "d": 1}
+    write_session_data(study, ranking("abc"), kind="ranking", session="1", **(WHO | {"task": "another"}))
+    assert read_rankings(study, "another")["rank"].tolist() == [1, 2, 3]
+    assert len(read_rankings(study, "order")) == 12
     with pytest.raises(GlossError, match="holds no judged pair"):
         read_dissimilarities(study)
 

@@ -62,10 +62,16 @@ def _order_problems(session: JournalledSession, stimuli: list[str], where: str) 
     differing = next((i for i, (one, other) in enumerate(pairs) if one != other), None)
     if differing is not None:
         one, other = pairs[differing]
+        found, expected = (" with ".join(trial.stimuli) for trial in (one, other))
+        if found == expected:
+            found, expected = (
+                f"{shown} as {trial.role} trial {trial.number} of block {trial.block}, repeat {trial.repeat}"
+                for shown, trial in ((found, one), (expected, other))
+            )
         yield (
-            f"{where}: trial {one.number} ({one.role}) shows {' with '.join(one.stimuli)}, but the order drawn from "
-            f"seed {session.header['seed']} has {' with '.join(other.stimuli)} there. If no line was changed by hand, "
-            f"another version drew it: {_versions(session)}."
+            f"{where}: trial {one.number} ({one.role}) shows {found}, but the order drawn from seed "
+            f"{session.header['seed']} has {expected} there. If no line was changed by hand, another version drew it: "
+            f"{_versions(session)}."
         )
 
 

@@ -90,7 +90,8 @@ class Journal:
             if not _is_still_at(self.path, self._stream):
                 raise GlossError(f"The journal '{self.path}' was removed while it was opened; run the command again.")
             if new:
-                _flush_folder(self.path.parent)
+                for folder in (self.path.parent, *(made.parent for made in self._made_folders)):
+                    _flush_folder(folder)
             self._load()
         except BaseException:
             self._stream.close()

@@ -10,7 +10,7 @@ from gloss_experiments.observers.observer import SimulatedObserver
 from gloss_experiments.observers.observer_kinds import observer_named
 from gloss_experiments.protocol import Protocol, read_protocol
 from gloss_experiments.session.drive import Mode
-from gloss_experiments.session.journal import Journal, journal_path
+from gloss_experiments.session.journal import journal_path
 from gloss_experiments.session.journal_content import read_journal
 from gloss_experiments.session.provenance import images_sha256
 from gloss_experiments.window.layout import visual_angle_deg
@@ -183,9 +183,10 @@ def _names(stimulus_set: StimulusSet) -> list[str]:
 
 
 def _seed_begun_with(path: Path, protocol: Protocol) -> int:
-    if path.exists():
-        with Journal(path) as journal:
-            return _seed_in(journal.header, path) if journal.header else 0
+    # Only read: opening it would cut off a torn line, and the session that goes on would not know of it.
+    header = read_journal(path).header if path.exists() else None
+    if header is not None:
+        return _seed_in(header, path)
     others = _headers_of_other_parts(path, protocol)
     return next((_seed_in(header, other) for other, header in others.items()), 0)
 
@@ -217,6 +218,14 @@ def _check_against_other_parts(plan: SessionPlan) -> None:
                     "the sessions would not make up the design that is split over them. Go back to what it was, "
                     "or give another participant."
                 )
+        # Journals of the first version lack them. The hash of the images is that of whatever order.
+        images = header.get("stimulus_sha256")
+        if isinstance(images, dict) and list(images) != list(plan.image_hashes):
+            raise GlossError(
+                f"Session {header['session']} of participant '{plan.participant}' ('{path}') had the stimuli of the "
+                "set in another order, from which its random order was drawn: the sessions would not make up the "
+                "design that is split over them. Go back to that stimulus set, or give another participant."
+            )
 
 
 def _keep_people_and_programs_apart(plan: SessionPlan) -> None:

@@ -4,6 +4,7 @@ PsychoPy turns right-to-left text into the order in which it is seen and joins A
 into lines, so that the first words of a paragraph would stand in its last line. It is broken here before.
 """
 
+import re
 import unicodedata
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -15,6 +16,7 @@ from glossspace.errors import GlossError
 
 __all__ = [
     "break_lines",
+    "composed",
     "is_right_to_left",
     "language_style",
     "protocol_texts",
@@ -25,6 +27,8 @@ __all__ = [
 # Families that every system has under a name of its own.
 _GENERIC = ("serif", "sans-serif", "sans", "monospace", "system-ui")
 _MOST_SIGNS = 12
+# What a reader of these scripts can do without.
+_POINTS = ("HEBREW", "ARABIC", "VARIATION SELECTOR")
 
 
 def is_right_to_left(text: str) -> bool:
@@ -36,6 +40,18 @@ def is_right_to_left(text: str) -> bool:
     (False, True)
     """
     return any(unicodedata.bidirectional(sign) in ("R", "AL") for sign in text)
+
+
+def composed(text: str) -> str:
+    """A text whose letters and marks are one sign where there is one: of a letter with marks the window draws one sign.
+
+    Examples
+    --------
+    >>> len("u\u0308ber"), len(composed("u\u0308ber"))
+    (5, 4)
+    """
+    # Word by word, and the shorter one: of some letters that are one sign, NFC makes two.
+    return re.sub(r"\S+", lambda word: min(word[0], unicodedata.normalize("NFC", word[0]), key=len), text)
 
 
 def language_style(texts: Iterable[str]) -> str:
@@ -66,7 +82,8 @@ def break_lines(text: str, width_px: float, measure_px: Callable[[str], float]) 
 
 
 def written(text: str, *, font: str, height_px: float, width_px: float) -> str:
-    """Break a right-to-left text into lines as wide as PsychoPy lets them be; give any other as it is."""
+    """A composed text, one from right to left broken into lines as wide as PsychoPy lets them be."""
+    text = composed(text)
     if not is_right_to_left(text):
         return text
     return break_lines(text, width_px, partial(_width_px, font=font, height_px=height_px))
@@ -87,17 +104,18 @@ def require_font(window: Any, protocol: Protocol) -> None:
     Raises
     ------
     GlossError
-        The font is not here, so that texts would be shown in another, or it lacks signs, which would be boxes.
+        The font is not here, so that texts would be shown in another; it lacks signs, which would be boxes; or letters
+        have marks, as those of Thai, which would be left out.
     """
     from psychopy import visual
     from pyglet import font
 
-    name, texts = protocol.texts.font, protocol_texts(protocol)
+    name, texts = protocol.texts.font, [composed(text) for text in protocol_texts(protocol)]
     # As PsychoPy shows them: Arabic letters in their joined forms, which are signs of their own.
     shown = visual.TextStim(
         window, text=" ".join(texts), font=name, fontFiles=own_fonts(), languageStyle=language_style(texts)
     ).text
-    if name.lower() not in _GENERIC and not font.have_font(name):
+    if not name.strip() or (name.lower() not in _GENERIC and not font.have_font(name)):
         raise GlossError(
             f"texts.font '{name}' is not installed here, so texts would be shown in another font. Install it, or name "
             "one that is: fc-list lists them."
@@ -111,12 +129,31 @@ def require_font(window: Any, protocol: Protocol) -> None:
             f"texts.font '{name}' has no sign for: {listed}. Name an installed font that has them, such as "
             f"'fc-list :charset={ord(missing[0]):x} family' lists."
         )
+    undrawn = [] if face is None else _undrawn(shown)
+    if undrawn:
+        raise GlossError(
+            f"The window draws no marks on letters on this system: of {' '.join(undrawn[:_MOST_SIGNS])} it would show "
+            "the first sign alone. Write the texts without such marks."
+        )
 
 
 def protocol_texts(protocol: Protocol) -> list[str]:
     """Everything that a protocol lets an observer read."""
     texts = protocol.texts.model_dump(exclude={"font", "size_px"})
     return [*texts.values(), protocol.slider.low_label, protocol.slider.high_label]
+
+
+def _undrawn(shown: str) -> list[str]:
+    """Letters with marks that reading needs: pyglet takes them together, and FreeType draws the first sign alone."""
+    from pyglet.font.base import get_grapheme_clusters
+
+    clusters = dict.fromkeys(get_grapheme_clusters(shown))
+    return [cluster for cluster in clusters if any(map(_is_needed, cluster[1:]))]
+
+
+def _is_needed(sign: str) -> bool:
+    is_seen = not sign.isspace() and unicodedata.category(sign) != "Cf"
+    return is_seen and not unicodedata.name(sign, "").startswith(_POINTS)
 
 
 def _width_px(line: str, *, font: str, height_px: float) -> float:

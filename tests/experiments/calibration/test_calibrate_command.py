@@ -189,6 +189,7 @@ def test_a_measurement_that_was_stopped_goes_on(tmp_path):
     assert len(shown) == len(patches) + 2
     # A second after each patch appeared; the second run waited for the third one's time, 10 minutes.
     assert [reading.minutes for reading in done.items[:3]] == pytest.approx([0.02, 5.03, 10.02], abs=0.011)
+    assert all(a.minutes <= b.minutes for a, b in zip(done.items, done.items[1:], strict=False)), "one clock for all"
     assert run(0).items == done.items, "nothing is left to do"
 
 

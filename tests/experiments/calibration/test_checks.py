@@ -1,10 +1,12 @@
 """Additivity, uniformity, stray light and warming up, against what the simulated screen was given."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
 from gloss_experiments.calibration import (
+    Readings,
     SimulatedScreen,
     check_additivity,
     check_stray_light,
@@ -13,7 +15,7 @@ from gloss_experiments.calibration import (
     standard_patches,
 )
 from glossspace.errors import GlossError
-from tests.experiments.calibration.screens import readings_of
+from tests.experiments.calibration.screens import changed, readings_of
 
 
 def test_a_screen_without_a_fault():
@@ -44,6 +46,9 @@ def test_uniformity():
     assert [one.right_over_left for one in found] == pytest.approx([0.97 / 1.02] * 3, rel=1e-12)
     assert found[-1].full_field_over_centre == 1
     assert found[0].full_field_over_centre is None
+    # A full field drawn from one power supply is dimmer than a patch in its centre.
+    sagging = changed(readings_of(), lambda patch, value: value * (0.9 if patch.position == "full" else 1))
+    assert check_uniformity(sagging, white_cd_m2=108.0)[-1].full_field_over_centre == pytest.approx(0.9, rel=1e-12)
 
 
 def test_stray_light():
@@ -52,6 +57,10 @@ def test_stray_light():
     assert found.veiling_cd_m2 == pytest.approx(0.108, abs=1e-12)
     assert found.ambient_cd_m2 == pytest.approx(0.07, abs=1e-12)
     assert found.ambient_percent_of_black == pytest.approx(100 / 11, abs=1e-9)
+    # Black on a black screen as it was read with it, not the fit's.
+    assert check_stray_light(readings_of(screen), black_cd_m2=0.8, white_cd_m2=108.07) == replace(
+        found, ambient_percent_of_black=pytest.approx(8.75, abs=1e-9)
+    )
     nothing = check_stray_light(
         readings_of(patches=standard_patches(purposes=["fit"])), black_cd_m2=0.7, white_cd_m2=108.0
     )
@@ -63,6 +72,10 @@ def test_warming_up():
     patches = standard_patches(warm_up_min=60)
     found = check_warm_up(readings_of(SimulatedScreen(warm_up_share=0.08, warm_up_time_min=10), patches=patches))
     assert found.stable_after_min == 25
+    shuffled = Readings(
+        readings_of(SimulatedScreen(warm_up_share=0.08, warm_up_time_min=10), patches=patches).items[::-1], "simulated"
+    )
+    assert check_warm_up(shuffled) == found, "in whatever order a lab writes them down"
     end = 1 + 0.08 * math.exp(-5.5)  # the median of the last three readings, at 50, 55 and 60 min
     assert found.drift_percent == pytest.approx(100 * (1.08 / end - 1), abs=1e-9)
     slow = check_warm_up(readings_of(SimulatedScreen(warm_up_share=0.4, warm_up_time_min=60), patches=patches))

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from colour.colorimetry import lightness_CIE1976
+from scipy.stats import linregress
+from scipy.stats import t as student
 
 from gloss_experiments.calibration import (
     Patch,
@@ -14,6 +16,7 @@ from gloss_experiments.calibration import (
     verify,
 )
 from gloss_experiments.calibration.fit_table import CHANNELS
+from gloss_experiments.calibration.gain_offset_gamma import _half_widths
 from gloss_experiments.calibration.lightness import lightness_of_luminance
 from glossspace.display import DisplayModel
 from glossspace.errors import GlossError
@@ -72,6 +75,22 @@ class TestGainOffsetGamma:
         # 17 readings less 4 parameters: a standard deviation of 1 % is known to a fifth, taken threefold; the weights
         # (reading plus a thousandth of white) take off up to an eighth of it at black.
         assert found.rms_relative == pytest.approx(0.01, rel=0.6)
+        # And by hand, from what the model gives at each reading.
+        readings = readings_of(patches=gray_only(), noise=0.01, seed=3).of("fit")
+        read = np.array([one.luminance_cd_m2 for one in readings])
+        given = found.gray_cd_m2([one.patch.red for one in readings])
+        by_hand = np.sqrt(np.mean(((given - read) / (read + read.max() / 1000)) ** 2))
+        assert found.rms_relative == pytest.approx(by_hand, rel=1e-9)  # rounding
+
+    def test_intervals_of_a_straight_line(self):
+        """A line is its own linearisation: the intervals are those of ordinary least squares, which scipy works out."""
+        x = np.linspace(0, 3, 7)
+        y = 2 * x + np.array([0.1, -0.2, 0.05, 0.3, -0.1, -0.25, 0.1])
+        line = linregress(x, y)
+        residuals = y - line.intercept - line.slope * x
+        found = _half_widths(np.column_stack([np.ones(7), x]), residual_sum=float(residuals @ residuals))
+        expected = student.ppf(0.975, 5) * np.array([line.intercept_stderr, line.stderr])
+        assert found == pytest.approx(expected, rel=1e-9)  # rounding of a 2 x 2 inverse
 
     def test_as_many_readings_as_parameters_leave_no_interval(self):
         codes = (0, 100, 180, 220, 255)
@@ -133,6 +152,14 @@ class TestChoice:
         found = {m.name: v for m, v in fit_screen(readings_of(patches=[*standard_patches(), colour]))}
         assert len(found["gain-offset-gamma of the channels"].codes) == 9
         assert len(found["gain-offset-gamma of gray"].codes) == 8
+        # A colour is told with the others, but the models are compared by gray, which all of them predict.
+        skewed = changed(
+            readings_of(patches=[*standard_patches(), colour]),
+            lambda patch, value: value * (1.5 if patch == colour else 1),
+        )
+        spoilt = {m.name: v for m, v in fit_screen(skewed)}["gain-offset-gamma of the channels"]
+        assert max(map(abs, spoilt.error_percent)) == pytest.approx(50, abs=1e-6)
+        assert max(spoilt.rms_delta_l, spoilt.rms_percent, spoilt.largest_delta_l) < 1e-6
         assert found["gain-offset-gamma of the channels"].error_cd_m2[-1] == pytest.approx(0, abs=1e-6)
 
     def test_gray_alone_is_enough(self):

@@ -19,7 +19,7 @@ from gloss_experiments.calibration import (
 from gloss_experiments.preflight.gamma_table import GammaTable, monitor_gamma, read_gamma_table
 from gloss_experiments.preflight.preflight import check_screen, judge_screen
 from gloss_experiments.preflight.preflight_rows import largest_delta_l
-from gloss_experiments.preflight.screen_facts import ScreenFacts
+from gloss_experiments.preflight.screen_facts import ScreenFacts, screen_facts
 from glossspace.display import DisplayModel
 from glossspace.errors import GlossError
 from glossspace.stimulus_set import StimulusSet
@@ -190,6 +190,24 @@ def test_frames(stored):
     assert [row.name for row in judged(virtual, calibration=stored()).warnings] == ["frame rate"]
     wanted = judged(virtual, calibration=stored(), rules=protocol(frame_rate_hz=60.0))
     assert [row.name for row in wanted.problems] == ["frame rate"]
+    # What the protocol states goes before what the screen was calibrated with.
+    faster = judged(calibration=stored(), rules=protocol(frame_rate_hz=75.0))
+    assert [(row.name, row.expected) for row in faster.problems] == [("frame rate", "75 Hz")]
+
+
+def test_late_frames_are_counted(monkeypatch):
+    """At 100 Hz a frame after 20 ms missed its turn, one after 14 ms did not: half a period is the limit."""
+    gaps = iter([0.0, *([0.010] * 100), *([0.020] * 7), *([0.014] * 13)])
+    now = [0.0]
+
+    def flip():
+        now[0] += next(gaps)
+
+    monkeypatch.setattr("gloss_experiments.preflight.screen_facts.time.perf_counter", lambda: now[0])
+    window = Window()
+    window.flip = flip
+    found = screen_facts(window, refresh_s=0.010)
+    assert (found.n_frames, found.n_dropped, found.frame_rate_hz) == (120, 7, pytest.approx(100))
 
 
 def test_a_gamma_table_that_cannot_be_read(stored):

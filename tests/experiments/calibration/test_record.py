@@ -45,6 +45,16 @@ class TestFile:
         stored = read_calibration(tmp_path / "a.json")
         assert (stored.screen, stored.measured_at, stored.display) == (SCREEN, DAY, found.display)
         assert (stored.photometer, stored.simulated) == ("LS-110 no. 3", False)
+        best = found.verification
+        assert best.rms_delta_l < found.models[-1][1].rms_delta_l
+        assert (stored.n_verified, stored.rms_delta_l, stored.largest_delta_l) == (
+            *(len(best.codes), best.rms_delta_l, best.largest_delta_l),
+        )
+
+    def test_what_does_not_say_that_a_screen_was_measured_is_simulated(self, tmp_path):
+        document = calibration(photometer="LS-110").to_dict() | {"simulated": None}
+        (tmp_path / "a.json").write_text(json.dumps(document), encoding="utf-8")
+        assert read_calibration(tmp_path / "a.json").simulated
 
     def test_everything_is_in_it(self, tmp_path):
         screen = SimulatedScreen(veiling=0.001, warm_up_share=0.05, ambient_cd_m2=0.1)
