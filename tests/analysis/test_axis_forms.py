@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.optimize import curve_fit
 from scipy.stats import t as student_t
 
 from gloss_analysis.axis_functions.axis_forms import choose_form
@@ -91,6 +92,40 @@ def test_the_interval_of_a_slope_is_student_s_over_participants():
     half = student_t.ppf(0.975, 5) * slopes.std(ddof=1) / np.sqrt(6)
     found = choose_form("d", DOI, ratings, forms="paper").chosen.ci95["slope"]
     assert found == pytest.approx((slopes.mean() - half, slopes.mean() + half), rel=1e-9)
+
+
+def test_a_free_exponent_its_errors_and_its_interval_by_levenberg_and_marquardt():
+    """Three numbers fitted together by scipy, to all, without each stimulus, and to the means without each participant.
+
+    Participants have one mean and one deviation, so that equalisation leaves them as they are.
+    """
+    rng = np.random.default_rng(6)
+    rows = values_of(DistinctnessForm(exponent=0.6), DOI) + 3 * rng.standard_normal((5, len(DOI)))
+    rows = 50 + 10 * (rows - rows.mean(axis=1, keepdims=True)) / rows.std(axis=1, keepdims=True)
+    ratings = pd.concat(rated(DOI, row).assign(participant_id=str(k)) for k, row in enumerate(rows))
+
+    def curve(alpha, exponent, slope, intercept):
+        return slope * (1 - alpha**exponent) + intercept
+
+    def fitted(alpha, rating):
+        return curve_fit(curve, alpha, rating, p0=[0.6, 60, 10], xtol=1e-12, ftol=1e-12)[0]
+
+    mean, n = rows.mean(axis=0), len(DOI)
+    best = fitted(ALPHAS, mean)
+    rest = np.sum((mean - curve(ALPHAS, *best)) ** 2)
+    left_out = [mean[k] - curve(ALPHAS[k], *fitted(np.delete(ALPHAS, k), np.delete(mean, k))) for k in range(n)]
+    without = np.array([fitted(ALPHAS, np.delete(rows, k, axis=0).mean(axis=0)) for k in range(5)])
+    found = next(one for one in choose_form("d", DOI, ratings).candidates if one.free == ("exponent",))
+    # Where a sum of squares is flat, searches end at the root of its relative precision, 1e-8, or nearly so.
+    assert [found.form.exponent, found.slope, found.intercept] == pytest.approx(best, rel=1e-5)
+    assert found.leave_one_out_error == pytest.approx(np.sqrt(np.mean(np.square(left_out))), rel=1e-5)
+    assert found.aicc == pytest.approx(n * np.log(rest / n) + 2 * 4 + 2 * 4 * 5 / (n - 5), rel=1e-6)  # 3 + variance
+    without[:, 0], best[0] = np.log(without[:, 0]), np.log(best[0])
+    errors = np.sqrt(4 * without.var(axis=0))
+    low, high = student_t.interval(0.95, 4, loc=best, scale=errors)
+    assert found.ci95["exponent"] == pytest.approx(np.exp([low[0], high[0]]), rel=1e-4)
+    assert found.ci95["slope"] == pytest.approx((low[1], high[1]), rel=1e-4)
+    assert found.ci95["intercept"] == pytest.approx((low[2], high[2]), rel=1e-4)
 
 
 def test_a_curved_rating_scale_is_told_from_a_curved_axis_by_the_pairs():

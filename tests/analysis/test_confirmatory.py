@@ -91,6 +91,15 @@ def test_a_fit_carries_the_interval_that_was_asked_for():
     assert fit.population_ci95 == population_interval(logs, interval="bootstrap", seed=3)
 
 
+def test_the_seed_of_the_bootstrap_is_that_of_the_fit():
+    # Of three participants all seeds find the same outermost resamples; of six not.
+    data = judged_by([1.0, 1.3, 1.6, 2.0, 2.8, 4.0], noise_sd=5)
+    fit = confirm_axes(data, axis_values(), axes=AXES, level="ratio", interval="bootstrap", seed=3)
+    logs = np.log([one.ratio for one in fit.individual])
+    one, three = (population_interval(logs, interval="bootstrap", seed=seed) for seed in (1, 3))
+    assert fit.population_ci95 == three != one
+
+
 def test_a_compressed_slider_biases_a_ratio_fit_and_not_an_ordinal_one():
     # The gloss project's science notes: ratio-level fits overestimate the weight by 10-17 % under compression.
     data = judged_by([1.78] * 3, exponent=0.7)

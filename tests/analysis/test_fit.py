@@ -5,11 +5,13 @@ import pandas as pd
 import pytest
 
 from gloss_analysis.axis_functions.coordinates import axis_coordinates, rated_along
+from gloss_analysis.axis_functions.rating_fit import fit_ratings
 from gloss_analysis.fit import fit_axis_functions, fit_gloss_space
 from gloss_analysis.judgements.dissimilarity import Dissimilarities
+from gloss_analysis.ratings.magnitude import mean_ratings
 from glossspace.errors import GlossError
 from glossspace.metric import ContrastForm, GlossSpace, Paint
-from tests.analysis.studies import CONTRAST, EXPERIMENT_1, axis_values, judged_by
+from tests.analysis.studies import CONTRAST, DOI, EXPERIMENT_1, axis_values, judged_by
 
 
 def pairs(ratios):
@@ -171,3 +173,21 @@ class TestAnotherScene:
         fitted = fit_gloss_space(self.PAINTS, self.judged(self.SPACE), {"c": self.rated()}, forms="paper")
         assert fitted.space.has_paper_forms
         assert len(fitted.forms["c"].candidates) == 1
+
+
+def test_line_and_intervals_are_those_of_the_form_that_was_taken():
+    """Ratings 300 (1 - sqrt(alpha)) - 200 and noise of .2; slope and intercept by polyfit on the form found."""
+    rng = np.random.default_rng(3)
+    given = 100 - 300 * np.sqrt(DOI["alpha"].to_numpy())
+    table = pd.concat(
+        pd.DataFrame({"participant_id": str(k), "stimulus": DOI["stimulus"], "rating": given + 0.2 * noise})
+        for k, noise in enumerate(rng.standard_normal((5, len(DOI))))
+    )
+    found = fit_ratings(DOI, {"d": table})
+    function, form = found.space.axis_functions["d"], found.space.distinctness_form
+    assert form.exponent == pytest.approx(0.5, abs=0.02)  # noise
+    rating = mean_ratings(table).set_index("stimulus").loc[DOI["stimulus"], "rating"]
+    slope, intercept = np.polyfit(form.value(DOI["alpha"].to_numpy()), rating, 1)
+    assert (function.slope, function.intercept) == pytest.approx((slope, intercept), rel=1e-9)  # rounding
+    assert function.slope_ci95[0] < slope < function.slope_ci95[1]
+    assert function.intercept_ci95[0] < intercept < function.intercept_ci95[1]

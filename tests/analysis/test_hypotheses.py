@@ -1,6 +1,7 @@
 """Hypotheses about an axis: the true one wins on ratings and pairs, and the criteria agree with their definitions."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -180,6 +181,25 @@ def test_stress_of_parts_by_brute_force(pairs):
     )
 
 
+def test_stress_of_parts_weighs_pairs_and_participants_by_brute_force(pairs):
+    rng = np.random.default_rng(8)
+    pair_weights, shares = rng.uniform(0.5, 3, pairs.values.shape), np.array([1.0, 2.0, 5.0])
+    weighted = replace(pairs, pair_weights=pair_weights, source_weights=shares)
+    found = confirm_hypotheses(HYPOTHESES_C[1:2], STIMULI, weighted).iloc[0]
+    position = np.column_stack([HYPOTHESES_C[1].values(STIMULI), 1 - STIMULI["alpha"]])
+    fit = confirm_axes(weighted, position, axes=("c", "d"))
+    distances = source_distances(position, np.tile(fit.shared.weights, (3, 1)))
+    fitted = fitted_disparities(make_problem(weighted), distances)
+    first, second = pairs.pairs
+    large = (STIMULI["alpha"] == 0.1).to_numpy()
+    w, d, e = (some[:, large[first] & large[second]] for some in (pair_weights, distances, fitted))
+    by_participant = (w * (d - e) ** 2).sum(axis=1) / (w * d**2).sum(axis=1)
+    short = (w * (e - d)).sum(axis=1) / (w * e).sum(axis=1)
+    expected = [np.sqrt(shares @ by_participant / 8), shares @ short / 8]
+    # The same sums in other units: rounding alone.
+    assert found[["stress1_large_alpha", "shortfall_large_alpha"]].tolist() == pytest.approx(expected, rel=1e-8)
+
+
 def test_pairs_that_nobody_judged_and_the_order_of_the_stimuli_do_not_matter(pairs):
     values = pairs.values.copy()
     values[:, ::7] = np.nan
@@ -190,6 +210,9 @@ def test_pairs_that_nobody_judged_and_the_order_of_the_stimuli_do_not_matter(pai
     )
     pd.testing.assert_frame_equal(found, shuffled)
     assert np.isfinite(found.select_dtypes("number").to_numpy()).all()
+    large = (STIMULI["alpha"] == 0.1).to_numpy()
+    first, second = some.pairs
+    assert found["n_pairs_large_alpha"].tolist() == [np.sum((large[first] & large[second])[np.arange(351) % 7 > 0])]
 
 
 def test_hypotheses_about_d_are_tested_beside_c(pairs):

@@ -5,6 +5,7 @@ import statistics
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import median_abs_deviation
 
 from gloss_analysis.ratings.magnitude import mean_ratings, rater_consistency, regress_ratings
 from glossspace.errors import GlossError
@@ -137,6 +138,22 @@ def test_a_noisy_rater_is_an_outlier_though_positive():
     low = rater_consistency(table)[4]
     assert 0 < low.agreement < 0.6
     assert low.flags[0].startswith("low agreement: correlation 0.")
+
+
+@pytest.mark.parametrize(("noise_sd", "seed"), [(0.3, 10), (1.0, 1)])
+def test_the_lowest_usual_agreement_is_iglewicz_and_hoaglins(noise_sd, seed):
+    """3.5 robust standard deviations below the median, or the sampling error of Fisher's z; the median of |z| by scipy.
+
+    Of alike raters the sampling error is the larger of the two, of others the spread.
+    """
+    rated = 10 + np.arange(9) + noise_sd * np.random.default_rng(seed).standard_normal((7, 9))
+    rated[-1] = [14, 11, 16, 12, 15, 13, 17, 10, 18]
+    found = rater_consistency(ratings({f"{k}": {f"{s}": [one] for s, one in enumerate(rated[k])} for k in range(7)}))
+    z = np.arctanh([one.agreement for one in found])
+    spread, sampling = 3.5 * median_abs_deviation(z) / 0.6745, 1.96 / np.sqrt(9 - 3)
+    assert (spread > sampling) == (noise_sd == 1)
+    lowest = np.tanh(np.median(z) - max(spread, sampling))
+    assert f"where {lowest:.2f} is the lowest" in found[-1].flags[0]
 
 
 def test_among_three_only_the_reversed_one_is_flagged_and_of_two_neither_is_blamed():

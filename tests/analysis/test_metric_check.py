@@ -1,6 +1,9 @@
 """A fitted space beside the paper's and an unweighted one."""
 
+from dataclasses import replace
+
 import numpy as np
+import pandas as pd
 import pytest
 
 from gloss_analysis.confirmatory.scaling import confirm_axes
@@ -55,3 +58,24 @@ def test_a_single_participant_has_no_others():
     _, check = checked([1.7])
     assert np.isnan(check.left_out_stress).all()
     assert mean_interval(check.left_out_stress) is None
+
+
+def test_the_unit_of_both_weights_does_not_matter():
+    data = judged_by([1.2, 1.8, 2.6], noise_sd=2.0)
+    fit = confirm_axes(data, axis_values(), axes=("c", "d"), level="ratio")
+    one, twice = (
+        check_metric(EXPERIMENT_1, data, GlossSpace(weight_c=c, weight_d=c * fit.population_ratio), fit).table()
+        for c in (1.0, 2.0)
+    )
+    pd.testing.assert_frame_equal(one, twice)  # STRESS is free of units; the tolerance is that of rounding
+
+
+def test_pairs_of_no_weight_do_not_enter_left_out_predictions_either():
+    data = judged_by([1.2, 1.8, 2.6], noise_sd=2.0)
+    weights = np.ones_like(data.values)
+    weights[1, ::3] = 0
+    weightless = replace(data, pair_weights=weights)
+    missing = replace(data, values=np.where(weights > 0, data.values, np.nan))
+    fit = confirm_axes(missing, axis_values(), axes=("c", "d"), level="ratio")
+    one, other = (check_metric(EXPERIMENT_1, some, GlossSpace(), fit).table() for some in (weightless, missing))
+    pd.testing.assert_frame_equal(one, other)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import kendalltau, permutation_test, rankdata, spearmanr
 
-from gloss_analysis.ranking.contour_ranks import contour_test
+from gloss_analysis.ranking.contour_ranks import contour_test, levels_of
 from gloss_analysis.ranking.rank_agreement import agreement_of_participants, joint_test
 from gloss_analysis.ranking.rank_permutation import concordance, orders_of, products_under, sums_under
 
@@ -160,3 +160,45 @@ def test_direction_along_contours_by_enumeration():
     # Of the 2! 3! ways to give the ranks along contours, this one and its reverse are the most extreme.
     assert found.direction.p_value == pytest.approx(2 / 12)
     assert (found.n_pairs, found.within, found.level.tolist()) == (4, pytest.approx(5 / 4), [0, 1, 1, 2, 2, 2])
+
+
+def test_the_observed_ranks_count_among_the_random_ones():
+    # (b + 1) / (n + 1) (Phipson and Smyth 2010); no order of eight does as well as full agreement of six.
+    w, p = concordance(np.tile(np.arange(8.0), (6, 1)), 99, SEED)
+    assert (w, p) == (1.0, 1 / 100)
+
+
+def test_exact_p_of_spearman_where_levels_are_unevenly_tied():
+    """All 720 orders by scipy's rho: ranks of tied levels are midranks, which the numbers of the levels are not."""
+    levels, row = np.array([0, 0, 0, 0, 1, 2]), np.array([1.0, 2.0, 3.0, 5.0, 6.0, 4.0])
+    (one,) = agreement_of_participants(["a"], row[None], levels, 999, SEED)
+    every = np.abs([spearmanr(levels, order).statistic for order in itertools.permutations(row)])
+    assert one.spearman_p == np.mean(every >= abs(spearmanr(levels, row).statistic) - 1e-9)  # rounding
+
+
+def test_exact_p_of_the_mean_tau_where_rankings_are_partial_or_tied():
+    """All 120 orders by scipy's tau-b: each participant counts by a tau of his own, not by his number of pairs."""
+    nan, levels = np.nan, np.arange(5.0)
+    ranks = np.array([[1, 2, 3, 4, 5.0], [2, 1, 2, nan, 2], [3, nan, nan, 2, 1]])
+
+    def mean_tau(order):
+        known = [np.isfinite(row) for row in ranks]
+        return np.mean([kendalltau(order[k], row[k]).statistic for k, row in zip(known, ranks, strict=True)])
+
+    agreement = agreement_of_participants("abc", ranks, np.arange(5), 999, SEED)
+    mean, p = joint_test(agreement, ranks, np.arange(5), orders_of(5, 999, SEED))
+    every = np.abs([mean_tau(np.array(order)) for order in itertools.permutations(levels)])
+    assert (mean, p) == pytest.approx((mean_tau(levels), np.mean(every >= abs(mean_tau(levels)) - 1e-9)))  # rounding
+
+
+def test_a_contour_spans_no_more_than_the_tolerance_however_near_its_neighbours_are():
+    assert levels_of(np.array([0.0, 0.003, 0.006, 0.009, 0.013]), 0.004).tolist() == [0, 0, 1, 1, 2]
+
+
+def test_differences_within_and_between_contours_by_hand():
+    # Contours {1, 4} and {2, 9}: within 3 and 7; between |1-2|, |1-9|, |4-2|, |4-9|.
+    found = contour_test(
+        np.array([0.1, 0.1, 0.2, 0.2]), np.full(4, 45.0), np.array([1.0, 4, 2, 9]), tolerance=0.004,
+        orders=orders_of(4, 99, SEED), seed=SEED,
+    )  # fmt: skip
+    assert (found.n_pairs, found.within, found.between) == (2, 5.0, 4.0)

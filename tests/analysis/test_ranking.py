@@ -197,3 +197,44 @@ def test_the_figure_shows_each_stimulus_and_each_contour():
     assert [segment[:, 1].tolist() for segment in bars.get_segments()] == [
         pytest.approx(row) for row in study.stimuli[["low", "high"]].to_numpy().tolist()
     ]
+
+
+def test_stimuli_that_only_a_participant_left_out_ranked_are_left_out_with_him():
+    """With no mean rank of theirs the contours were NaN, and their p the smallest that there is."""
+    ranks = simulated_rankings().ranks.copy()
+    few = tuple(PAINTS).index("0.04@45"), tuple(PAINTS).index("0.12@90")
+    with_him = np.concatenate([ranks, np.full((1, *ranks.shape[1:]), np.nan)])
+    with_him[:, :, few] = np.nan
+    with_him[-1, 0, few] = [1, 2]
+    names = tuple(f"{k}" for k in range(len(with_him)))
+    found = study_ranking(Rankings(names, tuple(PAINTS), with_him), ORDER)
+
+    kept = [k for k in range(len(PAINTS)) if k not in few]
+    others = Rankings(names[:-1], tuple(np.array(list(PAINTS))[kept]), ranks[:, :, kept])
+    expected = study_ranking(others, ORDER)
+    pd.testing.assert_frame_equal(found.stimuli, expected.stimuli)
+    assert (found.contours.within, found.contours.p_value) == (expected.contours.within, expected.contours.p_value)
+    assert found.contours.direction == expected.contours.direction
+    assert found.sentences == expected.sentences
+    assert "Ranked by nobody else, and left out: 0.04@45, 0.12@90." in found.warnings
+
+
+def test_left_out_stimuli_may_leave_one_distance():
+    nan = np.nan
+    order = pd.DataFrame({"distance": [0.1, 0.1, 0.1, 0.2], "angle_deg": 45.0}, index=list("abcd"))
+    rankings = Rankings(("1", "2"), tuple("abcd"), np.array([[[1.0, 2.0, 3.0, nan]], [[nan, nan, 1.0, 2.0]]]))
+    with pytest.raises(GlossError, match="All 3 ranked stimuli lie at gloss distance 0.1"):
+        study_ranking(rankings, order)
+
+
+def test_equal_mean_ranks_are_ties_whatever_their_sums_round_to():
+    """Of three repeats mean ranks are thirds: 7/3 + 8/3 and 5/3 + 10/3 differ in their last digit, some of them."""
+    rng = np.random.default_rng(0)
+    names = tuple("abcdefghijkl")
+    ranks = np.array([[rng.permutation(12) + 1.0 for _ in range(3)] for _ in range(5)])
+    order = pd.DataFrame({"distance": np.arange(12) / 10, "angle_deg": 45.0}, index=list(names))
+    study = study_ranking(Rankings(tuple("12345"), names, ranks), order, n_permutations=99)
+    for k, one in enumerate(study.participants):
+        sums = np.delete(ranks, k, axis=0).sum(axis=(0, 1))  # whole numbers, exact
+        expected = kendalltau(sums, ranks[k].sum(axis=0)).statistic
+        assert one.tau_b_others == pytest.approx(expected, rel=1e-12)  # rounding

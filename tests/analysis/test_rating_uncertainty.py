@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import t
 
 from gloss_analysis.ratings.rating_uncertainty import line_band, r_squared_interval
 from glossspace.errors import GlossError
@@ -62,6 +63,20 @@ def test_r_squared_is_surer_with_more_participants():
         stretched = (rows_used - rows_used.mean(1, keepdims=True)) / rows_used.std(1, keepdims=True)
         r = np.corrcoef(np.linspace(0, 1, 10), stretched.mean(axis=0))[0, 1]
         assert 0 <= low < r**2 < high <= 1
+
+
+def test_the_interval_of_r_squared_is_the_jackknifes():
+    """Efron and Tibshirani (1993), eq. 11.5, of Fisher's z, from the ratings themselves."""
+    rows = 60 * np.linspace(0, 1, 10) + 20 + 8 * np.random.default_rng(5).standard_normal((6, 10))
+
+    def fisher_z(some):
+        stretched = (some - some.mean(1, keepdims=True)) / some.std(1, keepdims=True)
+        return np.arctanh(np.corrcoef(np.linspace(0, 1, 10), stretched.mean(axis=0))[0, 1])
+
+    without = [fisher_z(np.delete(rows, k, axis=0)) for k in range(6)]
+    error = np.sqrt(5 * np.var(without))  # (m - 1) / m times the sum of squares
+    expected = np.tanh(t.interval(0.95, 5, loc=fisher_z(rows), scale=error)) ** 2
+    assert r_squared_interval(ratings(rows), place(10)) == pytest.approx(expected, rel=1e-9)  # rounding
 
 
 def test_participants_who_agree_perfectly_leave_no_doubt():

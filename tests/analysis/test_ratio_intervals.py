@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import t
 
 from gloss_analysis.confirmatory.ratio_intervals import ratio_intervals
 from gloss_analysis.confirmatory.scaling import confirm_axes
@@ -63,3 +64,18 @@ def test_a_participant_with_few_pairs_has_none_where_one_of_them_is_needed():
     same_c, same_d = (np.isclose(place[first, axis], place[second, axis]) for axis in (0, 1))
     values[1, [np.flatnonzero(same_c & ~same_d)[0], np.flatnonzero(same_d & ~same_c)[0]]] = [20, 30]
     assert list(ratio_intervals(named(values, 27), place, axes=AXES)) == ["p0"]
+
+
+def test_they_are_the_grouped_jackknifes_of_student():
+    """Efron and Tibshirani (1993), eq. 11.5, on four groups; each ratio without one of them by `confirm_axes`."""
+    data = judged_by([1.6], noise_sd=4.0, integers=True)
+    whole = confirm_axes(data, axis_values(), axes=AXES).individual[0].ratio
+    group = np.random.default_rng(2).permutation(351) % 4
+    without = [
+        confirm_axes(named(np.where(group == k, np.nan, data.values), 27), axis_values(), axes=AXES).individual[0].ratio
+        for k in range(4)
+    ]
+    error = np.sqrt(3 * np.var(np.log(without)))  # (g - 1) / g times the sum of squares
+    expected = np.exp(t.interval(0.95, 3, loc=np.log(whole), scale=error))
+    found = ratio_intervals(data, axis_values(), axes=AXES, n_groups=4, seed=2)["p0"]
+    assert found == pytest.approx(expected, rel=1e-9)  # rounding

@@ -1,8 +1,11 @@
 """Ratings against MDS scale values: linear where they are, bent where they are bent, silent where too few tell."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import linregress
 
 from gloss_analysis.confirmatory.scaling import confirm_axes
 from gloss_analysis.confirmatory.task_identity import among, compare_tasks
@@ -89,6 +92,28 @@ def test_pairs_of_some_stimuli_are_those_of_all(data):
     for k, pair in enumerate([(0, 5), (5, 9), (0, 9)]):
         place = np.flatnonzero((first == pair[0]) & (second == pair[1]))[0]
         assert some.values[:, k].tolist() == data.values[:, place].tolist()
+
+
+def test_weights_of_pairs_and_participants_go_with_some_stimuli(data):
+    weights = np.arange(3 * 351.0).reshape(3, 351)
+    some = among(replace(data, pair_weights=weights, source_weights=np.array([1.0, 2, 3])), ("s5", "s0", "s9"))
+    numbers = np.zeros((27, 27), dtype=int)
+    numbers[data.pairs] = np.arange(351)
+    assert some.pair_weights.tolist() == weights[:, [numbers[0, 5], numbers[5, 9], numbers[0, 9]]].tolist()
+    assert some.source_weights.tolist() == [1, 2, 3]
+
+
+def test_the_regression_is_on_scale_values_that_rise_with_the_given_axis():
+    judged = judged_by([1.5, 2.1], noise_sd=8.0)
+    ratings = {"c": rated(AT_04, 10 + 300 * c_of(AT_04) ** 1.2)}
+    up, down = (
+        compare_tasks(judged, given, ratings, axes=AXES, n_starts=20)[0] for given in (axis_values(), -axis_values())
+    )
+    assert down.scale_value.tolist() == (-up.scale_value).tolist()
+    for one, sign in ((up, 1), (down, -1)):
+        assert sign * np.corrcoef(one.scale_value, c_of(AT_04))[0, 1] > 0.9
+        line = linregress(one.scale_value, one.rating)
+        assert (one.regression.slope, one.regression.r_squared) == pytest.approx((line.slope, line.rvalue**2))
 
 
 class TestTable:

@@ -141,7 +141,7 @@ def confirm_hypotheses(
         `stress1_large_alpha`, the part of `stress1` that comes from pairs of which both stimuli have a large alpha,
         relative to these pairs' own distances (it may exceed 1); `stress1_other_pairs`, the same for all others;
         `shortfall_large_alpha`, by what part the hypothesis's distances in these pairs fall short of the judged ones
-        (negative: exceed them); `n_pairs_large_alpha`;
+        (negative: exceed them); `n_pairs_large_alpha`, how many of these somebody judged;
         `remarks`, the warnings of `confirm_axes`.
 
     Raises
@@ -194,7 +194,7 @@ def confirm_hypotheses(
                 "stress1_large_alpha": stress_large,
                 "stress1_other_pairs": stress_other,
                 "shortfall_large_alpha": shortfall,
-                "n_pairs_large_alpha": int(both.sum()),
+                "n_pairs_large_alpha": int(np.count_nonzero((judged * both).any(axis=0))),
                 "remarks": " ".join(fit.warnings),
             }
         )

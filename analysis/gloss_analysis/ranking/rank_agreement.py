@@ -19,6 +19,10 @@ __all__ = [
     "ranks_of_stimuli",
 ]
 
+# Mean ranks are fractions, whose sums round differently: to so many digits equal ones are ties. Those of several
+# participants are made of rounded ones, and equal to fewer digits.
+_OF_ONE, _OF_SEVERAL = 12, 9
+
 
 @dataclass(frozen=True)
 class ParticipantRanking:
@@ -68,7 +72,7 @@ def mean_ranks(written: np.ndarray) -> np.ndarray:
     # The k-th of n_k ranks covers the share (k - 1) / n_k to k / n_k; its middle keeps its place among n.
     stretched = (own - 0.5) / np.maximum(counted.sum(axis=-1, keepdims=True), 1) * n + 0.5
     times = counted.sum(axis=1)
-    return np.where(times > 0, np.nansum(stretched, axis=1) / np.maximum(times, 1), np.nan)
+    return np.round(np.where(times > 0, np.nansum(stretched, axis=1) / np.maximum(times, 1), np.nan), _OF_ONE)
 
 
 def agreement_of_participants(
@@ -128,7 +132,7 @@ def agreement_of_participants(
                 tau_b_p=float(p_values[k, 0]) if ordered else float("nan"),
                 spearman=float(spearmanr(levels[ranked], row[ranked]).statistic) if ordered else float("nan"),
                 spearman_p=float(p_values[k, 1]) if ordered else float("nan"),
-                tau_b_others=_tau(_mean_of(np.delete(ranks, k, axis=0)), row),
+                tau_b_others=_tau(np.round(_mean_of(np.delete(ranks, k, axis=0)), _OF_SEVERAL), row),
             )
         )
     return tuple(found)

@@ -172,19 +172,23 @@ def study_ranking(
     if not 99 <= n_permutations <= 1_000_000:
         raise GlossError(f"Invalid number of permutations {n_permutations}. Allowed: 99 to 1,000,000.")
     predicted, silent = _predicted(rankings, order)
-    names, distance = list(predicted.index), predicted["distance"].to_numpy()
-    every = mean_ranks(rankings.ranks[:, :, [rankings.stimuli.index(name) for name in names]])
+    every = _ranks(rankings, list(predicted.index))
     usable = np.array([np.isfinite(row).sum() >= 3 and np.nanmax(row) > np.nanmin(row) for row in every], dtype=bool)
     if not usable.any():
         raise GlossError(
             "Nobody ranked three of the stimuli that have a prediction and told them apart: there is nothing to "
             "compare."
         )
-    ranks = every[usable]
     kept, left_out = (
         tuple(name for name, use in zip(rankings.participants, usable, strict=True) if use == wanted)
         for wanted in (True, False)
     )
+    # What only those ranked who are left out has no mean rank, and no place among the others.
+    ranked = np.isfinite(every[usable]).any(axis=0)
+    unranked, predicted = list(predicted.index[~ranked]), predicted[ranked]
+    names, distance = list(predicted.index), predicted["distance"].to_numpy()
+    _refuse_one_distance(distance)
+    ranks = _ranks(rankings, names)[usable]
     seeds = np.random.SeedSequence(seed).spawn(4)
     levels = levels_of(distance, _SAME)
     agreement = agreement_of_participants(kept, ranks, levels, n_permutations, seeds[0], on_step)
@@ -208,7 +212,7 @@ def study_ranking(
         concordance_p=w_p,
         contours=contours,
         sentences=(),
-        warnings=ranking_remarks(agreement, silent=silent, left_out=left_out, n_stimuli=len(names)),
+        warnings=ranking_remarks(agreement, silent=silent, left_out=left_out, unranked=unranked, n_stimuli=len(names)),
     )
     return replace(study, sentences=ranking_sentences(study, n_complete=len(complete)))
 
@@ -232,10 +236,18 @@ def _predicted(rankings: Rankings, order: pd.DataFrame) -> tuple[pd.DataFrame, l
                 "the least glossy stimulus as the reference, or compare rankings by difference from it."
             )
         raise GlossError(f"A ranking needs three stimuli with a prediction, but {len(predicted)} were ranked.{hint}")
-    distances = predicted["distance"].to_numpy()
+    _refuse_one_distance(predicted["distance"].to_numpy())
+    return predicted, silent
+
+
+def _refuse_one_distance(distances: np.ndarray) -> None:
     if levels_of(distances, _SAME)[-1] == 0:
         raise GlossError(
             f"All {len(distances)} ranked stimuli lie at gloss distance {distances[0]:.4g} from the reference, so that "
             "no order is predicted. Rank stimuli at several distances."
         )
-    return predicted, silent
+
+
+def _ranks(rankings: Rankings, names: list[str]) -> np.ndarray:
+    """Ranks of the named stimuli among themselves, shape (m, n)."""
+    return mean_ranks(rankings.ranks[:, :, [rankings.stimuli.index(name) for name in names]])

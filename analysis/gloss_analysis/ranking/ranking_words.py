@@ -76,7 +76,12 @@ def _of_direction(direction: "Direction") -> str:
 
 
 def ranking_remarks(
-    agreement: Sequence["ParticipantRanking"], *, silent: Sequence[str], left_out: Sequence[str], n_stimuli: int
+    agreement: Sequence["ParticipantRanking"],
+    *,
+    silent: Sequence[str],
+    left_out: Sequence[str],
+    unranked: Sequence[str],
+    n_stimuli: int,
 ) -> tuple[str, ...]:
     """What does not enter a ranking study, and whose rankings look odd."""
     remarks = []
@@ -90,6 +95,8 @@ def ranking_remarks(
             f"Ranked all stimuli equal, or fewer than three of those with a prediction; left out: "
             f"{', '.join(left_out)}."
         )
+    if unranked:
+        remarks.append(f"Ranked by nobody else, and left out: {', '.join(unranked)}.")
     reversed_ = [one.participant_id for one in agreement if one.tau_b < 0 and one.tau_b_p < _SURE]
     if reversed_:
         remarks.append(

@@ -97,7 +97,8 @@ def check_metric(
         others = np.delete(logs, k)
         if len(others) and np.isfinite(comparison.first.stress[row]):
             own = replace(space, weight_d=float(space.weight_c * np.exp(others.mean())), weight_d_ci95=None)
-            left_out[row] = stress_index(predicted_differences(stimuli, pairs, own), pairs.values[row])
+            judged = np.where(pairs.judged[row], pairs.values[row], np.nan)
+            left_out[row] = stress_index(predicted_differences(stimuli, pairs, own), judged)
     return MetricCheck(
         against_paper=comparison,
         against_unweighted=compare_metrics(pairs, fitted, predicted_differences(stimuli, pairs, unweighted)),

@@ -4,7 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import curve_fit
 
+from gloss_analysis.confirmatory.scaling import confirm_axes
+from gloss_analysis.design.information import log_ratio_variance
 from gloss_analysis.design.population import Population, population_like
 from gloss_analysis.design.simulation import EXPERIMENT_1, drawn_ratios, simulated_study
 from gloss_analysis.judgements.dissimilarity import Dissimilarities, Trials
@@ -52,6 +55,41 @@ def test_noise_of_one_answer_where_repeats_were_averaged():
     found = population_like(replace(data, trials=trials), EXPERIMENT_1, axes=AXES).population
     assert found.noise_sd == pytest.approx(4, rel=0.1)  # as above
     assert population_like(data, EXPERIMENT_1, axes=AXES).population.noise_sd == pytest.approx(2, rel=0.1)
+
+
+def test_a_small_pilot_by_its_definitions():
+    """Curves by scipy's Levenberg and Marquardt, s^2 of q - 3 degrees of freedom, spreads from their definitions.
+
+    Observers unlike each other and few pairs, so that no mean is like another.
+    """
+    stimuli = EXPERIMENT_1[[0, 2, 4, 9, 13, 17, 24]]
+    rng = np.random.default_rng(2)
+    parts = [
+        simulated_study(stimuli, np.array([ratio]), Population(exponent=0.8, noise_sd=noise), rng=rng).values
+        for ratio, noise in ((1.0, 1.0), (2.0, 2.0), (3.0, 4.0))
+    ]
+    data = named(np.vstack(parts), 7)
+    counts = np.where(np.arange(21) < 10, 1, 3)  # the mean of 1 / counts is 41 / 63
+    pair = np.tile(np.repeat(np.arange(21), counts), 3)
+    source = np.repeat(np.arange(3), counts.sum())
+    trials = Trials(source, pair, data.values[source, pair], np.ones(len(pair)))
+    found = population_like(replace(data, trials=trials), stimuli, axes=AXES).population
+
+    ratios = np.array([one.ratio for one in confirm_axes(data, stimuli, axes=AXES).individual])
+    first, second = data.pairs
+    delta = stimuli[first] - stimuli[second]
+    ratio, exponents, variances = np.exp(np.mean(np.log(ratios))), [], []
+    for own, judged in zip(ratios, data.values, strict=True):
+        x = np.hypot(delta[:, 0], own * delta[:, 1])
+        (top, exponent), _ = curve_fit(lambda x, a, p: a * x**p, x / x.max(), judged, p0=[100, 1])
+        left = judged - top * (x / x.max()) ** exponent
+        exponents.append(exponent)
+        variances.append(left @ left / (21 - 3) * (100 / top) ** 2)
+    # Both searches end at about 1e-8 of their numbers.
+    assert found.exponent == pytest.approx(np.mean(exponents), rel=1e-5)
+    assert found.noise_sd == pytest.approx(np.sqrt(np.mean(variances) * 63 / 41), rel=1e-5)
+    error = log_ratio_variance(delta, np.ones(21, dtype=bool), ratio, exponent=found.exponent) * np.mean(variances)
+    assert found.sd_log_ratio == pytest.approx(np.sqrt(np.var(np.log(ratios), ddof=1) - error), rel=1e-5)
 
 
 def test_observers_who_are_all_alike():

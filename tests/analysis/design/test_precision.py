@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import chi2
+from scipy.stats import chi2, linregress, norm, sem
 from scipy.stats import t as student_t
 
 from gloss_analysis.design.population import Population
-from gloss_analysis.design.precision import check_width, remarks, simulate_designs, smallest_design
+from gloss_analysis.design.precision import _summary, check_width, remarks, simulate_designs, smallest_design
 from gloss_analysis.design.simulation import EXPERIMENT_1, drawn_ratios, on_the_slider, simulated_study, wished_answers
 from glossspace.errors import GlossError
 from tests.analysis.studies import axis_values
@@ -148,3 +148,30 @@ def test_fewer_pairs_leave_the_answers_to_others_as_they_are():
 
 def test_the_slider_has_ends_and_steps():
     np.testing.assert_array_equal(on_the_slider(np.array([-9.0, 7.4, 7.6, 130.0]), 5), [0, 5, 10, 100])
+
+
+def test_the_summary_of_studies_by_hand():
+    """Ten studies with an interval and two without; four logarithms a study, true beside found."""
+    rng = np.random.default_rng(4)
+    mean, half = 0.6 + 0.05 * rng.standard_normal(10), 0.05 + 0.01 * np.arange(10)
+    half[mean > 0.6] = 0.02
+    intervals = np.vstack([np.column_stack([mean, mean - half, mean + half]), np.full((2, 3), np.nan)])
+    true = 0.55 + 0.2 * rng.standard_normal(48)
+    given = np.column_stack([true, 0.1 + 0.7 * true + 0.1 * rng.standard_normal(48)])
+    given[5, 1] = np.nan  # one who could not be fitted
+    found = _summary(intervals, given, 0.55, 4, 351, 2)
+    assert (found.n_studies, found.n_without, found.n_judgements) == (12, 2, 4 * 351 * 2)
+    assert found.width_median == pytest.approx(np.exp(2 * np.median(half)))
+    assert found.width_p90 == pytest.approx(np.exp(2 * np.quantile(half, 0.9)))
+    assert 1 + found.bias == pytest.approx(np.exp(np.mean(mean) - 0.55))
+    assert found.bias_error == pytest.approx((1 + found.bias) * sem(mean))  # d exp(x) = exp(x) dx
+    covered = sum(abs(mean - 0.55) <= half)
+    assert 0 < covered < 10
+    assert found.coverage == covered / 10
+    # Wilson (1927): centre and half width for z = 1.959964
+    z, p = norm.ppf(0.975), covered / 10
+    root = z * np.sqrt(p * (1 - p) / 10 + z**2 / 400)
+    assert found.coverage_ci95 == pytest.approx((p + z**2 / 20 + np.array([-root, root])) / (1 + z**2 / 10))
+    line = linregress(*np.delete(given, 5, axis=0).T)
+    left = np.delete(given[:, 1] - line.intercept - line.slope * given[:, 0], 5)
+    assert (found.follows, found.observer_error) == pytest.approx((line.slope, np.sqrt(left @ left / (47 - 2))))
