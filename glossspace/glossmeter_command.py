@@ -1,5 +1,6 @@
 """``gloss glossmeter``: gloss units of a reflectance model, and parameters from gloss units."""
 
+import warnings
 from dataclasses import asdict
 from typing import Any
 
@@ -76,20 +77,23 @@ def read(
     """
     from glossspace.instruments.brdf_options import named_brdf, require_one_of
     from glossspace.instruments.glossmeter import READINGS, gloss_reading
+    from glossspace.instruments.quadrature import QuadratureWarning
 
     require_one_of(reading, READINGS, option="--reading")
     model = named_brdf(
         brdf, rho_d=rho_d, rho_s=rho_s, alpha=alpha, alpha_y=alpha_y, normalisation=normalisation, scale=scale,
         slope=slope, n=n, k=k,
     )  # fmt: skip
-    found = gloss_reading(model, reading=reading)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", QuadratureWarning)  # it is said below, from a smaller error on
+        found = gloss_reading(model, reading=reading)
     result = asdict(found) | {"haze": found.haze}
     if brdf == "ward" and alpha_y is None and normalisation is None:
         result |= _gloss_space(rho_d or 0.0, rho_s, alpha)
     if not found.conserves_energy:
         note("Note: this sample reflects more than it receives (an albedo above 1): no real one does.")
     if found.relative_error > _SURE:
-        note(f"Note: the quadrature is sure of these readings to {100 * found.relative_error:.2g} % only.")
+        note(f"Note: the quadrature knows these readings to ±{100 * found.relative_error:.2g} % only.")
     if json:
         print_json(result)
     else:

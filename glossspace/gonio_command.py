@@ -1,5 +1,8 @@
 """``gloss gonio``: scans and spectra of the virtual gonio-spectrophotometer."""
 
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -126,7 +129,7 @@ def scan(
         "source_widths_deg": (source_width, source_width), "detector_widths_deg": (detector_width, detector_width)
     }  # fmt: skip
     parts = []
-    with progress_bar() as progress:
+    with progress_bar() as progress, _unsure_values_noted():
         task = progress.add_task("Detector positions", total=len(angles))
         for angle in angles:
             if detector is None:
@@ -248,11 +251,25 @@ def spectrum(
     )  # fmt: skip
     source = Aperture(incident, 180, source_width, source_width)
     receiver = Aperture(incident if detector is None else detector, 0, detector_width, detector_width)
-    table = reflected_spectrum(model, wavelengths, source, receiver, illuminant=illuminant)
+    with _unsure_values_noted():
+        table = reflected_spectrum(model, wavelengths, source, receiver, illuminant=illuminant)
     colour = spectrum_colour(table["reflectance_factor"], wavelengths, illuminant=illuminant, observer=observer)
     summary = {"illuminant": illuminant, "observer": observer, "xyz": colour.xyz.tolist(), "lab": colour.lab.tolist()}
     drawn = None if figure is None else (figure, spectrum_figure(table, illuminant=illuminant))
     _deliver(table, summary, out=out, figure=drawn, json=json)
+
+
+@contextmanager
+def _unsure_values_noted() -> Iterator[None]:
+    """Say once, instead of at every position, how unsure the quadrature was."""
+    from glossspace.instruments.quadrature import QuadratureWarning
+
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", QuadratureWarning)
+        yield
+    errors = [one.message.relative_error for one in caught if isinstance(one.message, QuadratureWarning)]
+    if errors:
+        note(f"Note: the quadrature knows some of these values to ±{100 * max(errors):.2g} % only.")
 
 
 def _check_targets(out: Path | None, figure: Path | None) -> None:

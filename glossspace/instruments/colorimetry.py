@@ -160,5 +160,5 @@ def reflectance_factor_8_diffuse(
         return total[()]
     trap = Aperture(8, 180, trap_width_deg, trap_width_deg)
     narrow = Aperture(8, 0)
-    trapped = mean_over_apertures(model, trap, narrow).value * trap.solid_angle / np.cos(np.radians(8))
+    trapped = mean_over_apertures(model, narrow, trap).value * trap.solid_angle / np.cos(np.radians(8))
     return (total - trapped)[()]

@@ -6,6 +6,7 @@ that the error that is reported, the sum of those changes, is that of the rule b
 whose lobes are alike, a few settle the orders for all.
 """
 
+import warnings
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,13 +19,23 @@ from glossspace.instruments.nodes import Orders, first_orders, make_nodes
 from glossspace.metric.validity import FloatArray
 from glossspace.reflectance.model import ReflectanceModel
 
-__all__ = ["ApertureMean", "mean_over_apertures", "mean_projection"]
+__all__ = ["ApertureMean", "QuadratureWarning", "mean_over_apertures", "mean_projection"]
 
 # Where to give up, in evaluations for one lobe: some seconds.
 _MOST_NODES = 3_000_000
 # Channels that settle the orders for all of their shape.
 _PROBES = 12
+# Relative error above which nobody should take a result without being told.
+_UNSURE = 1e-3
 _NODES_AT_ONCE = 16_000  # intermediate arrays stay in a core's cache
+
+
+class QuadratureWarning(UserWarning):
+    """A mean over two apertures is not known to a thousandth; `relative_error` says to what."""
+
+    def __init__(self, relative_error: float) -> None:
+        super().__init__(f"The quadrature knows the mean over the apertures to ±{100 * relative_error:.2g} % only.")
+        self.relative_error = relative_error
 
 
 @dataclass(frozen=True)
@@ -77,8 +88,13 @@ def mean_over_apertures(
     -------
     ApertureMean
         Value, error and cost. The error is above the tolerance only where the model has edges that rules of some
-        million nodes do not resolve: a table that is linear between its nodes, or V-grooves near the horizon, whose
-        attenuation has a kink where one cosine is a third of the other.
+        million nodes do not resolve: a table that is linear between its nodes, V-grooves near the horizon, whose
+        attenuation has a kink where one cosine is a third of the other, or a narrow lobe in a long slit.
+
+    Warns
+    -----
+    QuadratureWarning
+        The error is above a thousandth.
 
     Raises
     ------
@@ -126,7 +142,10 @@ def mean_over_apertures(
     value = _total(terms, model.channels)
     with np.errstate(invalid="ignore", divide="ignore"):
         relative = np.where(value != 0, error / np.abs(value), 0.0)
-    return ApertureMean(value, float(np.max(relative)), cost)
+    worst = float(np.max(relative))
+    if worst > _UNSURE:
+        warnings.warn(QuadratureWarning(worst), stacklevel=2)
+    return ApertureMean(value, worst, cost)
 
 
 def _refine(

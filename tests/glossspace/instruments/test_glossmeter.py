@@ -11,7 +11,7 @@ from glossspace.instruments.paper_reading import midpoint_gloss_units
 from glossspace.instruments.quadrature import mean_projection
 from glossspace.instruments.standards import glossmeter_geometry
 from glossspace.instruments.table2 import TABLE_2, table2_cells, table2_rmse
-from glossspace.reflectance import CookTorrance, Lambert, Ward, fresnel_reflectance
+from glossspace.reflectance import CookTorrance, Lambert, Ward, direction, fresnel_reflectance
 
 ANGLES = (20, 60, 85)
 # Closed forms are for the angle itself, readings for a source of .75 degrees: w²/24 (F''/F + 2 F'/F cos'/cos), with
@@ -90,9 +90,41 @@ class TestReading:
         assert green > 0.4
         assert photopic_mean([1.0, 0, 0, 0, 0], nm) < 0.03  # V(450) = .038 (CIE 1924)
 
+    def test_weights_are_of_illuminant_c_and_the_eye_by_trapezoids(self):
+        # CIE 15: C is 124.00, 112.10, 89.70, 88.20, and V(λ) .038, .323, .631, .107; steps of 50, 100 and 50 nm
+        nm = [450.0, 500.0, 600.0, 650.0]
+        weight = np.array([124.0, 112.1, 89.7, 88.2]) * [0.038, 0.323, 0.631, 0.107] * [25, 75, 75, 25]
+        wanted = weight[1] / weight.sum()
+        assert photopic_mean([0, 1, 0, 0], nm) == pytest.approx(wanted, rel=1e-4)  # as printed
+        found = gloss_reading(Lambert([0, 1, 0, 0]), wavelengths_nm=nm)
+        assert [found.albedo20, found.albedo60, found.albedo85] == pytest.approx([wanted] * 3, rel=1e-4)
+
+    def test_one_wavelength_or_two_hundredths_too_much_break_energy(self):
+        nm = [500.0, 600.0]
+        assert gloss_reading(Lambert([0.5, 0.6]) + Lambert(0.39), wavelengths_nm=nm).conserves_energy
+        assert not gloss_reading(Lambert([0.5, 0.63]) + Lambert(0.39), wavelengths_nm=nm).conserves_energy
+
+    @pytest.mark.parametrize("angle", ANGLES)
+    def test_the_papers_reading_by_loops(self, angle):
+        # eqs 15 to 17 over 2 x 2 patches of polar angle and raw azimuth, widths of table 1
+        def patches(widths, azimuth):
+            for a in (-0.25, 0.25):
+                for b in (-0.25, 0.25):
+                    theta, phi = angle + a * widths[0], azimuth + b * widths[1]
+                    omega = np.sin(np.radians(theta)) * np.radians(widths[0] / 2) * np.radians(widths[1] / 2)
+                    yield direction(theta, phi), np.cos(np.radians(theta)), omega
+
+        model, flux, standard = CookTorrance(1.0, 0.3, 1.5), 0.0, 0.0
+        for incident, cos_i, omega_i in patches((0.75, 2.5), 180.0):
+            standard += cos_i * omega_i * float(fresnel_reflectance(cos_i, 1.567))
+            for exitant, cos_r, omega_r in patches({20: (1.8, 3.6), 60: (4.4, 11.7), 85: (4.0, 6.0)}[angle], 0.0):
+                flux += float(model.evaluate(incident, exitant)) * cos_i * cos_r * omega_i * omega_r
+        assert midpoint_gloss_units(model, angle) == pytest.approx(100 * flux / standard, rel=1e-12)
+
     @pytest.mark.parametrize(
         ("call", "message"),
         [
+            (lambda: gloss_units(Lambert([0.5, 0.5]), 60, wavelengths_nm=[500.0, 500.0]), "ascending"),
             (lambda: gloss_units(Lambert(0.5), 45), "Invalid angle_deg = 45 of a glossmeter. Allowed: 20, 60, 85"),
             (lambda: gloss_units(Lambert(0.5), 60, reading="iso"), "Unknown reading 'iso'. Allowed: physical, table2"),
             (lambda: gloss_units(Lambert([0.5, 0.5]), 60, wavelengths_nm=[500.0]), "wavelengths_nm has 1 numbers"),
@@ -152,6 +184,29 @@ class TestTable2:
         np.testing.assert_allclose(rmse["from_printed_cells"], rmse["printed"], atol=1e-3)
         ward = rmse[rmse["model"] == "ward"]
         np.testing.assert_allclose(ward["from_ours"], ward["printed"], atol=0.2)  # a fifth of the 60-degree errors
+
+    def test_cells_are_reproduced_where_a_roughness_that_rounds_so_gives_a_number_that_rounds_so(self, cells):
+        ward = cells[cells["model"] == "ward"].set_index(["sample", "angle_deg"])["reproduced"]
+        for row in (row for row in TABLE_2 if row.model == "ward"):
+            digits = 4 if row.sample == "polished copper" else 3  # as printed
+            middle = row.parameters["alpha"][0]
+            alphas = middle + np.linspace(-0.5, 0.5, 41) * 10.0**-digits
+            for angle, printed in zip(ANGLES, row.virtual, strict=True):
+                read = midpoint_gloss_units(Ward(1.0, alphas), angle)
+                assert ward[row.sample, angle] == bool(np.any(np.abs(read - printed) <= 0.05))
+        paints = cells[cells["model"] == "cook-torrance"].set_index(["sample", "angle_deg"])["reproduced"]
+        assert paints["KKX Rouge Tiziano"].all()
+        assert not paints["EZRC Gris Aluminum", 60]  # 13.1 for 12.6, more than c, m and n leave open
+
+    def test_other_columns_are_of_the_physical_reading_and_each_angle(self, cells):
+        cell = cells[(cells["model"] == "ward") & (cells["sample"] == "unpolished copper")].set_index("angle_deg")
+        lobe = Ward(1.0, 0.182)  # table 2's roughness
+        for angle in ANGLES:
+            assert cell["physical"][angle] == float(gloss_units(lobe, angle))
+            assert cell["albedo"][angle] == float(lobe.albedo(float(angle)))
+        rmse = table2_rmse(cells).set_index(["model", "sample"]).loc[("ward", "unpolished copper")]
+        real = np.array([6.6, 30.6, 43.5])
+        assert rmse["from_physical"] == pytest.approx(np.sqrt(np.mean((cell["physical"] - real) ** 2)), rel=1e-12)
 
     def test_energy_is_reported(self, cells):
         assert cells.loc[cells["model"] == "ward", "albedo"].max() < 1

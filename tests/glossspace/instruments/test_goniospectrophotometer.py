@@ -19,7 +19,7 @@ from glossspace.instruments.goniospectrophotometer import (
 from glossspace.instruments.haze import distinctness_of_image, goniophotometric_haze, haze_by_difference
 from glossspace.instruments.quadrature import mean_projection
 from glossspace.instruments.refractive_index import index_tables, refractive_index
-from glossspace.reflectance import CookTorrance, Lambert, Ward, direction
+from glossspace.reflectance import CookTorrance, Lambert, Tabulated, Ward, direction
 
 SOURCE, DETECTOR = Aperture(30, 180, 3, 5), Aperture(45, 0, 4, 4)
 NM = np.arange(400.0, 701.0, 10.0)
@@ -65,6 +65,13 @@ class TestScans:
         around = out_of_plane_scan(model, 40, 40, [0, 30, 180])
         wanted = [model.evaluate(direction(40, 180.0), direction(40, azimuth)) for azimuth in (0.0, 30.0, 180.0)]
         np.testing.assert_allclose(around["brdf"], wanted, rtol=1e-12)
+
+    def test_azimuths_turn_the_way_that_tables_of_a_whole_turn_do(self):
+        # azimuth 90 is a quarter beyond the mirror direction, so 270 from the source's own side
+        axis, turn = [0.0, 90.0], np.array([0.0, 90.0, 180.0, 270.0, 360.0])
+        table = Tabulated(axis, axis, turn, np.full((2, 2, 5), [0.1, 0.2, 0.3, 0.4, 0.1]))
+        scan = out_of_plane_scan(table, 30, 40, [0, 90, 180, 270])
+        assert scan["brdf"].tolist() == pytest.approx([0.3, 0.4, 0.1, 0.2], rel=1e-9)
 
     def test_finite_apertures_converge_to_the_brdf_as_the_square_of_their_width(self):
         model = Ward(0.1, 0.08)

@@ -39,7 +39,7 @@ class TestGlossmeter:
         monkeypatch.setattr("glossspace.instruments.quadrature._MOST_NODES", 0)  # gives up at once
         code, _, err = gloss(*said("glossmeter --brdf ward --rho-s 1 --alpha .0001 --alpha-y .1"))
         assert code == 0
-        assert "the quadrature is sure of these readings to 4 % only" in err
+        assert "the quadrature knows these readings to ±4 % only" in err
 
     def test_a_diffuse_part_is_read_too(self, result):
         document = result("glossmeter", "--brdf", "ward", "--rho-s", ".1", "--alpha", ".11", "--rho-d", ".5")
@@ -136,6 +136,16 @@ class TestGonio:
         words = ("--incident", "45", "--detector", "45", "--start", "0", "--stop", "20", "--step", "10")
         points = result("gonio", "scan", *self.LOBE, *words)["points"]
         assert [point["azimuth_deg"] for point in points] == [0, 10, 20]
+
+    def test_values_that_are_not_sure_are_remarked_once(self, gloss, monkeypatch):
+        monkeypatch.setattr("glossspace.instruments.quadrature._MOST_NODES", 0)  # gives up at once
+        lobe = "--brdf ward --rho-s .5 --alpha .0001 --alpha-y .1 --incident 60 --source-width 2 --detector-width 2"
+        code, _, err = gloss(*said(f"gonio scan {lobe} --start 59 --stop 61 --step 1"))
+        assert code == 0
+        assert err.count("the quadrature knows some of these values to ±") == 1
+        code, _, err = gloss(*said(f"gonio spectrum {lobe} --first 500 --last 510"))
+        assert code == 0
+        assert err.count("the quadrature knows some of these values to ±") == 1
 
     def test_spectrum_of_a_brushed_lobe(self, result):
         words = said("gonio spectrum --brdf ward --rho-s .1 --alpha .1 --normalisation duer2006 --first 500 --last 510")

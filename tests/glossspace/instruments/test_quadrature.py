@@ -5,7 +5,7 @@ import pytest
 
 from glossspace import GlossError
 from glossspace.instruments.apertures import Aperture
-from glossspace.instruments.quadrature import mean_over_apertures, mean_projection
+from glossspace.instruments.quadrature import QuadratureWarning, mean_over_apertures, mean_projection
 from glossspace.instruments.standards import glossmeter_geometry
 from glossspace.reflectance import CookTorrance, Ggx, Lambert, Phong, Sum, Tabulated, Ward, direction
 from glossspace.reflectance.model import ReflectanceModel
@@ -67,6 +67,45 @@ def test_other_places_against_sampling(model, source, detector):
     assert found.relative_error < (3e-4 if kinked else 1e-6)
 
 
+@pytest.mark.parametrize(
+    ("alphas", "source", "detector"),
+    [
+        ((0.1, 0.002), Aperture(60, 45, 0.75, 2.5), Aperture(60, 225, 4.4, 11.7)),
+        ((0.002, 0.1), Aperture(85, 20, 0.75, 2.5), Aperture(85, 200, 4, 6)),
+        ((0.02, 0.4), Aperture(30, 160, 5, 5), Aperture(30, -5, 6, 6)),  # out of plane
+        ((0.02, 0.4), Aperture(30, 160, 5, 5), Aperture(30, -10, 4, 4)),  # the detector is the smaller one
+        ((0.3, 0.02), Aperture(45, 300, 2, 2), Aperture(45, 120, 2, 2)),
+    ],
+)
+def test_brushed_samples_that_are_turned_obliquely_against_sampling(alphas, source, detector):
+    model = Ward(1.0, alphas[0], alpha_y=alphas[1])
+    mean, error = sampled_mean(model, source, detector, n=1_000_000)
+    found = mean_over_apertures(model, source, detector)
+    assert found.value == pytest.approx(mean, abs=4.5 * error)
+    assert found.relative_error < 1e-5  # what some million nodes reach of a ridge
+
+
+def test_a_brushed_sample_may_turn_with_both_apertures():
+    # turned by a quarter together, a sample with its roughnesses exchanged reads the same
+    pairs = [(Aperture(40, phi, 1, 2), Aperture(42, phi + 185, 2, 3)) for phi in (25, 115)]
+    lobes = Ward(0.5, [0.2, 0.1], alpha_y=[0.03, 0.1]), Ward(0.5, [0.03, 0.1], alpha_y=[0.2, 0.1])
+    first, second = (mean_over_apertures(lobe, *pair).value for lobe, pair in zip(lobes, pairs, strict=True))
+    np.testing.assert_allclose(first, second, rtol=2e-6)  # each within a millionth
+    isotropic = mean_over_apertures(Ward(0.5, 0.1), Aperture(40, 180, 1, 2), Aperture(42, 5, 2, 3)).value
+    assert first[1] == pytest.approx(float(isotropic), rel=2e-6)
+
+
+def test_lines_across_a_ridge_give_the_mean_along_them():
+    model, source, detector = Ward(1.0, 0.3, alpha_y=0.02), Aperture(40, 30, 1, 0), Aperture(40, 210, 0, 1)
+    x, y = (np.linspace(-1, 1, 401)[:, None] * np.tan(np.radians(0.5)) for _ in range(2))
+    i, weight_i = source.directions(x, np.zeros_like(x))
+    r, weight_r = detector.directions(np.zeros_like(y.T), y.T)
+    values = model.evaluate(i, r) * i[..., 2] * r[..., 2] * weight_i * weight_r
+    wanted = np.trapezoid(np.trapezoid(values)) / np.trapezoid(weight_i[:, 0]) / np.trapezoid(weight_r[0])
+    # trapezoids of 1/400 of lines as wide as a third of the lobe
+    assert mean_over_apertures(model, source, detector).value == pytest.approx(wanted, rel=1e-5)
+
+
 @pytest.mark.parametrize("angle", [20, 60, 85])
 @pytest.mark.parametrize("width", [0.001, 0.002, 0.02, 0.11, 0.5])
 @pytest.mark.parametrize(
@@ -106,6 +145,14 @@ def test_long_tails_go_on_to_the_edge_of_the_detector(alpha, angle):
     # The mean of f cosθi cosθr over the detector is its flux, cosθi (1 - lost), over its solid angle. At the detector's
     # edge at 85 degrees half vectors' slopes are up to .3, whose square is what the projection above leaves out.
     assert 1 - found * detector.solid_angle / np.cos(theta) == pytest.approx(lost, rel=0.05)
+
+
+def test_who_gives_up_far_off_says_so(monkeypatch):
+    monkeypatch.setattr("glossspace.instruments.quadrature._MOST_NODES", 0)
+    geometry = glossmeter_geometry(60)
+    with pytest.warns(QuadratureWarning, match="to ±") as caught:
+        found = mean_over_apertures(Ward(1.0, 0.0001, 0.1), geometry.source, geometry.detector)
+    assert caught[0].message.relative_error == found.relative_error > 1e-3
 
 
 def test_lambert_is_the_product_of_projections():
