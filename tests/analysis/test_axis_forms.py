@@ -1,12 +1,15 @@
 """The form of an axis function: recovered where it is known, kept where the data cannot bear another."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.optimize import curve_fit
+from scipy.optimize import curve_fit, least_squares
 from scipy.stats import t as student_t
 
-from gloss_analysis.axis_functions.axis_forms import choose_form
+from gloss_analysis.axis_functions.axis_forms import _chosen, choose_form
+from gloss_analysis.axis_functions.form_fitting import FormFit
 from gloss_analysis.ratings.polynomials import fit_polynomials
 from glossspace.errors import GlossError
 from glossspace.metric import ContrastForm, DistinctnessForm
@@ -128,6 +131,65 @@ def test_a_free_exponent_its_errors_and_its_interval_by_levenberg_and_marquardt(
     assert found.ci95["intercept"] == pytest.approx((low[2], high[2]), rel=1e-4)
 
 
+def test_the_intervals_of_a_contrast_form_by_levenberg_and_marquardt():
+    """As above; of the diffuse share on logarithms as of the exponent, for neither can be negative."""
+    rng = np.random.default_rng(8)
+    rows = values_of(ContrastForm(exponent=0.5, diffuse_share=0.3), CONTRAST) + 2 * rng.standard_normal((4, 30))
+    rows = 50 + 10 * (rows - rows.mean(axis=1, keepdims=True)) / rows.std(axis=1, keepdims=True)
+    ratings = pd.concat(rated(CONTRAST, row).assign(participant_id=str(k)) for k, row in enumerate(rows))
+    paints = CONTRAST["rho_d"].to_numpy(), CONTRAST["rho_s"].to_numpy()
+
+    def curve(paints, exponent, share, slope, intercept):
+        rho_d, rho_s = paints
+        return slope * ((rho_s + share * rho_d) ** exponent - (share * rho_d) ** exponent) + intercept
+
+    def fitted(rating):
+        return curve_fit(curve, paints, rating, p0=[0.5, 0.3, 100, 30], xtol=1e-12, ftol=1e-12, maxfev=10000)[0]
+
+    without = np.array([np.log(fitted(np.delete(rows, k, axis=0).mean(axis=0))[:2]) for k in range(4)])
+    low, high = student_t.interval(
+        0.95, 3, loc=np.log(fitted(rows.mean(axis=0))[:2]), scale=np.sqrt(3 * without.var(0))
+    )
+    found = next(
+        one for one in choose_form("c", CONTRAST, ratings).candidates if one.free == ("exponent", "diffuse_share")
+    )
+    assert found.ci95["exponent"] == pytest.approx(np.exp([low[0], high[0]]), rel=1e-4)  # as above
+    assert found.ci95["diffuse_share"] == pytest.approx(np.exp([low[1], high[1]]), rel=1e-4)
+
+
+def best_of_d(alpha, rating):
+    """Exponent, offset, slope and intercept of least squares, by scipy's trust regions from many places."""
+
+    def line(number):
+        x = 1 - (alpha + number[1]) ** number[0]
+        return np.polyfit(x, rating, 1), x
+
+    def left(number):
+        (slope, intercept), x = line(number)
+        return rating - slope * x - intercept
+
+    starts = [(exponent, offset) for exponent in (0.2, 0.6, 1.0, 2.0) for offset in (1e-5, 1e-3, 1e-2, 0.1)]
+    bounds = ([0.05, 0], [3, 10])
+    found = [least_squares(left, one, bounds=bounds, x_scale=(1, 0.01), xtol=1e-14, ftol=1e-14) for one in starts]
+    best = min(found, key=lambda one: one.cost).x
+    return (*best, *line(best)[0])
+
+
+def test_an_offset_of_0_does_not_stay_0_without_each_stimulus():
+    """With all stimuli no offset is best; without one of them another may be, which the error of leaving out needs."""
+    rating = np.round(values_of(DistinctnessForm(exponent=0.5), DOI) + 4 * np.random.default_rng(3).normal(size=11))
+    found = next(one for one in choose_form("d", DOI, rated(DOI, rating)).candidates if "offset" in one.free)
+    assert found.form.offset == 0
+    offsets, errors = [], []
+    for k in range(11):
+        exponent, offset, slope, intercept = best_of_d(np.delete(ALPHAS, k), np.delete(rating, k))
+        offsets.append(offset)
+        errors.append(rating[k] - slope * (1 - (ALPHAS[k] + offset) ** exponent) - intercept)
+    assert max(offsets) > 1e-3
+    equalised = found.slope / best_of_d(ALPHAS, rating)[2]  # the unit of mean ratings
+    assert found.leave_one_out_error == pytest.approx(equalised * np.sqrt(np.mean(np.square(errors))), rel=1e-3)
+
+
 def test_a_curved_rating_scale_is_told_from_a_curved_axis_by_the_pairs():
     true = DistinctnessForm(exponent=0.4)
     ratings = rated(DOI, values_of(true, DOI))
@@ -138,9 +200,46 @@ def test_a_curved_rating_scale_is_told_from_a_curved_axis_by_the_pairs():
     assert in_favour.chosen.form.exponent == pytest.approx(0.4, rel=1e-3)
 
 
+def fit_of(n_free, r_squared, at_limit=()):
+    form = [DistinctnessForm(), DistinctnessForm(exponent=0.5), DistinctnessForm(exponent=0.5, offset=0.01)][n_free]
+    return FormFit(form, ("exponent", "offset")[:n_free], 1.0, 0.0, r_squared, 1.0, 0.0, {}, at_limit)
+
+
+# Differences of squared errors to the paper's form, all unlike, of 10 stimuli.
+GAIN = np.linspace(0.02, 0.04, 10)
+
+
+@pytest.mark.parametrize(
+    ("r_squared", "gains", "taken"),
+    [
+        # The gloss paper calls .01 of r squared a gain (3.3.4).
+        ([0.95, 0.9599], [GAIN], 0),
+        ([0.95, 0.9601], [GAIN], 1),
+        # Of n differences that all have one sign the signed-rank test's p is 1 / 2**n: 1 / 16 and 1 / 32.
+        ([0.95, 0.97], [GAIN[:4]], 0),
+        ([0.95, 0.97], [GAIN[:5]], 1),
+        # The richer form is better in the mean by a single stimulus, or at each of them.
+        ([0.95, 0.97, 0.98], [GAIN, GAIN + np.where(np.arange(10) == 3, 0.2, -0.001)], 1),
+        ([0.95, 0.97, 0.98], [GAIN, GAIN + np.linspace(0.001, 0.002, 10)], 2),
+        # Better, but nowhere is the simpler one good enough.
+        ([0.95, 0.955, 0.98], [GAIN, GAIN + np.linspace(0.001, 0.002, 10)], 2),
+    ],
+)
+def test_what_it_takes_to_be_chosen(r_squared, gains, taken):
+    fits = [fit_of(k, one) for k, one in enumerate(r_squared)]
+    squared = 0.3 - np.vstack([np.zeros(len(gains[0])), *gains])
+    assert _chosen("d", fits, squared, None)[0] is fits[taken]
+    # Stress that does not rise changes nothing, and none that rises is taken.
+    assert _chosen("d", fits, squared, lambda form: 0.1)[0] is fits[taken]
+    assert _chosen("d", fits, squared, lambda form: 0.1 + 1e-6 * (form != fits[0].form))[0] is fits[0]
+    at_limit = [fits[0], *(replace(one, at_limit=("exponent",)) for one in fits[1:])]
+    assert _chosen("d", at_limit, squared, None)[0] is fits[0]
+
+
 @pytest.mark.parametrize(
     ("axis", "stimuli", "tried"),
     [
+        ("c", CONTRAST[CONTRAST["rho_d"].isin([0.03, 0.767])], [(), ("exponent",)]),  # nor do two lightnesses
         ("c", CONTRAST[CONTRAST["rho_d"] == 0.03], [(), ("exponent",)]),  # one lightness: neither share nor offset
         ("c", CONTRAST[CONTRAST["rho_s"].isin([0.017, 0.099])], [()]),  # two values of rho_s bear a line alone
         ("d", DOI[:5], [()]),  # five stimuli for three coefficients

@@ -69,6 +69,13 @@ def test_participants_who_differ_are_told_from_noise_and_those_who_do_not_are_no
     assert "hardly determined" in alike.sentences[1]
 
 
+def test_permutations_that_take_just_as_much_count():
+    """Equal participants without noise: nothing is permuted, own weights take nothing, 0 is as much as 0 and p is 1."""
+    found = confirm_indscal(judged_by([1.78] * 2), axis_values(), axes=AXES, level="ratio", n_permutations=2)
+    assert found.share_taken == 0
+    assert found.p_value == 1
+
+
 def test_the_p_value_of_equal_participants_is_uniform():
     # 60 studies of four equal participants, nine permutations each: p is 1/10, ..., 1, equally often. Of a uniform
     # p, P(p <= .2) = .2, and 60 studies give 12 of them; 4 to 22 are within 3.2 standard deviations, sqrt(60 .2 .8).

@@ -189,7 +189,8 @@ def test_mistakes_in_files(refused, pairs, stimuli, dataset, tmp_path):
     assert "at one place on an axis" in refused("design-pairs", "--keep", "90", "--stimuli", same)
     two = tmp_path / "two.csv"
     STIMULI[:2].to_csv(two, index=False)
-    assert "two.csv' holds 2 stimuli. A study needs at least 3." in refused("design", "--stimuli", two, *QUICK)
+    message = refused("design", "--stimuli", two, *QUICK)
+    assert "two.csv' holds 2 stimuli. A study needs at least 3. Add rows." in message
     many = tmp_path / "many.csv"
     pd.DataFrame({"stimulus": range(150), "rho_d": 0.1, "rho_s": 0.05, "alpha": np.linspace(0.01, 0.2, 150)}).to_csv(
         many, index=False

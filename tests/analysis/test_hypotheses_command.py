@@ -32,6 +32,14 @@ class TestExpressions:
             ("x=-log10(alpha*10)", -np.log10([0.4, 1, 2])),
             ("x=maximum(alpha, 0.1)", [0.1, 0.1, 0.2]),
             ("a name of words=abs(-rho_s) + 1e-3", [0.101, 0.051, 0.031]),
+            ("x=minimum(alpha, 0.1)", [0.04, 0.1, 0.1]),
+            ("x=abs(rho_d - 0.2)", [0.2, 0.0, 0.5]),
+            ("x=sqrt(alpha)", [0.2, 0.1**0.5, 0.2**0.5]),
+            ("x=log(exp(2*rho_d))", [0.0, 0.4, 1.4]),
+            ("x=exp(log(alpha)/2)", [0.2, 0.1**0.5, 0.2**0.5]),
+            ("x=log10(1000)*exp(1)*cbrt(-8)", [-6 * np.e] * 3),
+            ("x=-alpha**2", [-0.0016, -0.01, -0.04]),
+            ("x=2**3**2 - 8/4/2", [511.0] * 3),  # powers from the right, quotients from the left
             ("x=3", [3.0, 3.0, 3.0]),
         ],
     )
@@ -50,6 +58,7 @@ class TestExpressions:
             "__import__('os').system('touch here')", "rho_s.__class__", "rho_s.to_csv('here')", "open('here')",
             "[rho_s for rho_s in (1,)]", "lambda: 1", "rho_s if 1 else 2", "rho_s[0]", "rho_s and rho_d", "rho_s < 1",
             "f'{rho_s}'", "exp(x=1)", "exp(*rho_s)", "cbrt.real", "@local", "(y := 2)", "eval('1')", "1 // 2", "~1",
+            "open('here') + 1", "1 + open('here')",
         ],
     )  # fmt: skip
     def test_whatever_is_no_arithmetic_is_refused(self, expression, tmp_path, monkeypatch):

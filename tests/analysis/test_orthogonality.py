@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
+from gloss_analysis.confirmatory import orthogonality
 from gloss_analysis.confirmatory.orthogonality import check_orthogonality
+from gloss_analysis.confirmatory.residual_permutation import permuted_residuals
+from gloss_analysis.confirmatory.scaling import confirm_axes
 from gloss_analysis.mds.objective import stress_of_sources
 from gloss_analysis.mds.problem import make_problem
 from glossspace.errors import GlossError
@@ -100,6 +103,36 @@ def test_p_counts_the_permutations_that_drop_as_much():
     assert found.drop_correlated == pytest.approx(1 - (found.stress1_correlated / found.stress1) ** 2, rel=1e-9)
     assert np.all(found.null_correlated >= 0)
     assert np.all(found.null_rotated >= 0)
+
+
+def test_what_is_permuted_is_about_each_participant_s_own_weight(monkeypatch):
+    """The null is model 1 with the ratios of `confirm_axes`, and one free number for each participant."""
+    given = []
+
+    def spied(data, predicted, *, n_weights=1.0):
+        given.append((predicted, n_weights))
+        return permuted_residuals(data, predicted, n_weights=n_weights)
+
+    monkeypatch.setattr(orthogonality, "permuted_residuals", spied)
+    data = judged(0.3)
+    check_orthogonality(data, axis_values(), axes=AXES, n_permutations=1)
+    [(predicted, n_weights)] = given
+    assert n_weights == 1
+    first, second = data.pairs
+    delta = axis_values()[first] - axis_values()[second]
+    for row, own in zip(predicted, confirm_axes(data, axis_values(), axes=AXES).individual, strict=True):
+        expected = np.hypot(delta[:, 0], own.ratio * delta[:, 1])
+        # Searches on grids in other units, which end at 1e-9 of a log ratio or in the middle of a flat bottom.
+        assert row / row.max() == pytest.approx(expected / expected.max(), rel=1e-3)
+
+
+def test_permutations_that_drop_just_as_much_count():
+    """Without noise nothing is permuted and nothing drops: 0 is as much as 0, so that p is 1."""
+    first, second = np.triu_indices(27, 1)
+    delta = axis_values()[first] - axis_values()[second]
+    data = named(np.hypot(delta[:, 0], 1.78 * delta[:, 1]), 27)
+    found = check_orthogonality(data, axis_values(), axes=AXES, level="ratio", n_permutations=2)
+    assert (found.p_rotated, found.p_correlated) == (1, 1)
 
 
 @pytest.mark.parametrize("unit", [1e-3, 1e200])

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from scipy.optimize import minimize
@@ -25,6 +25,8 @@ _STARTS: Mapping[str, tuple[float, ...]] = {
     "offset": (1e-3, 1e-2),
 }
 _LEAST_OFFSET = 1e-6
+# Size of the simplex that a search begins with, on logarithms.
+_STEP = 0.1
 # A parameter so near its limit, relatively, has been stopped by it.
 _AT_LIMIT = 1e-6
 
@@ -139,7 +141,7 @@ def _form(axis: str, free: Sequence[str], logs: np.ndarray) -> AxisForm:
 def _best(
     axis: str, free: Sequence[str], paints: np.ndarray, rating: np.ndarray, near: AxisForm | None = None
 ) -> AxisForm:
-    """The form of least squares; searched from `near` alone where it is given."""
+    """The form of least squares; searched from `near` where it is given."""
     if not free:
         return _PAPER[axis]
 
@@ -149,13 +151,21 @@ def _best(
     scale = float(np.sum((rating - rating.mean()) ** 2)) or 1.0
     limits = [tuple(np.log(np.maximum(FORM_LIMITS[name], _LEAST_OFFSET))) for name in free]
     if near is not None:
-        starts = [[max(getattr(near, name), _LEAST_OFFSET) for name in free]]
+        here = {name: max(getattr(near, name), _LEAST_OFFSET) for name in free}
+        starts = [list(here.values())]
+        if here.get("offset") == _LEAST_OFFSET:  # there the objective is flat, and a search would stay
+            starts += [list({**here, "offset": offset}.values()) for offset in _STARTS["offset"]]
     else:
         grid = np.meshgrid(*(_STARTS[name] for name in free))
         starts = np.column_stack([one.ravel() for one in grid]).tolist()
         starts.append([max(getattr(_PAPER[axis], name), _LEAST_OFFSET) for name in free])
-    options = {"xatol": 1e-9, "fatol": 1e-15, "maxiter": 400 * len(free)}
-    found = [minimize(rest, np.log(one), method="Nelder-Mead", bounds=limits, options=options) for one in starts]
+    options: dict[str, Any] = {"xatol": 1e-9, "fatol": 1e-15, "maxiter": 400 * len(free)}
+    found = []
+    for start in np.log(starts):
+        # By default steps are parts of the logarithm: none for an exponent of 1, out of bounds for the least offset.
+        inward = np.where(start + _STEP > [high for _, high in limits], -_STEP, _STEP)
+        options["initial_simplex"] = np.vstack([start, start + np.diag(inward)])
+        found.append(minimize(rest, start, method="Nelder-Mead", bounds=limits, options=options))
     return _form(axis, free, min(found, key=lambda one: one.fun).x)
 
 

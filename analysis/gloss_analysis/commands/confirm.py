@@ -20,6 +20,7 @@ from glossspace.console import (
     noted_if_slow,
     print_json,
     print_table,
+    print_text,
     progress_bar,
 )
 from glossspace.errors import GlossError
@@ -187,11 +188,11 @@ def confirm(
     print_table(pd.DataFrame(rows, columns=["participant", f"{axes[-1]} over {axes[0]}", "Stress-1"]))
     between = "" if fitted.population_ci95 is None else " (95 % {:.4g} to {:.4g})".format(*fitted.population_ci95)
     print(f"Population: {fitted.population_ratio:.4g}{between}. Shared: {fitted.shared.ratio:.4g}.")
-    print("\n".join(own.sentences))
+    print_text(*own.sentences)
     if tested is not None:
-        print("\n".join(tested.sentences))
+        print_text(*tested.sentences)
     for one_task in tasks or ():
-        print("\n".join(one_task.sentences))
+        print_text(*one_task.sentences)
     for warning in (*fitted.warnings, *remarks):
         note(warning)
 

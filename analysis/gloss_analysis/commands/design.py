@@ -10,8 +10,8 @@ import pandas as pd
 from gloss_analysis.commands.planned_study import (
     PlannedStudy,
     StudyOptions,
-    all_pairs,
     interval_columns,
+    number_of_pairs,
     numbers,
     planned_study,
     print_population,
@@ -100,7 +100,7 @@ def design(
     if not FEWEST_STUDIES <= studies <= _MOST_STUDIES:
         raise GlossError(f"Invalid --studies {studies}. Allowed: {FEWEST_STUDIES} to {_MOST_STUDIES:,}.")
     planned = planned_study(study or StudyOptions())
-    every = all_pairs(planned)
+    every = number_of_pairs(planned)
     counts = [every] if pairs is None else numbers(pairs, option="--pairs", least=1)[::-1]
     cores = os.cpu_count() or 1
     with workers(backend, scheduler), progress_bar() as progress:

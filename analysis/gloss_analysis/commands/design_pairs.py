@@ -10,8 +10,8 @@ import pandas as pd
 
 from gloss_analysis.commands.planned_study import (
     StudyOptions,
-    all_pairs,
     interval_columns,
+    number_of_pairs,
     planned_study,
     print_population,
 )
@@ -27,7 +27,7 @@ from glossspace.console import (
     progress_bar,
 )
 from glossspace.errors import GlossError
-from glossspace.files import check_file_target, write_text
+from glossspace.files import check_replaceable, write_text
 from glossspace.user_table import read_user_table
 
 if TYPE_CHECKING:
@@ -104,10 +104,10 @@ def design_pairs(
     if not 2 <= observers <= _MOST_OBSERVERS:
         raise GlossError(f"Invalid --observers {observers}. Allowed: 2 to {_MOST_OBSERVERS}.")
     if out is not None:
-        _check_replaceable(out)
+        check_replaceable(out, _read_pairs, what="list of pairs")
     planned = planned_study(study or StudyOptions())
     n = len(planned.names)
-    every = all_pairs(planned)
+    every = number_of_pairs(planned)
     count = _count(keep, share, every)
     found: tuple[DesignPrecision, ...] = ()
     cores = os.cpu_count() or 1
@@ -204,14 +204,8 @@ def _print(named: "dict[str, DesignPrecision]") -> None:
     )
 
 
-def _check_replaceable(out: Path) -> None:
-    """Refuse a file that is there and no list of pairs: it may be somebody's data."""
-    check_file_target(out)
-    if out.exists():
-        refusal = GlossError(f"'{out}' is there and is no list of pairs. Choose another name for --out.")
-        try:
-            columns = list(read_user_table(out, what="list of pairs", columns=_COLUMNS).columns)
-        except GlossError:
-            raise refusal from None
-        if columns != _COLUMNS:
-            raise refusal
+def _read_pairs(path: Path) -> pd.DataFrame:
+    table = read_user_table(path, what="list of pairs", columns=_COLUMNS)
+    if list(table.columns) != _COLUMNS:
+        raise GlossError(f"'{path}' has other columns beside {' and '.join(_COLUMNS)}.")
+    return table

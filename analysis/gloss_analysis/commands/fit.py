@@ -12,7 +12,7 @@ from gloss_analysis.commands.observers import note_simulated, simulated_of
 from gloss_analysis.commands.waiting import FITTING
 from glossspace.console import JsonFlag, Seed, note, noted_if_slow, print_json, print_table
 from glossspace.errors import GlossError
-from glossspace.files import check_file_target
+from glossspace.files import check_replaceable
 from glossspace.metric import GlossSpace
 
 if TYPE_CHECKING:  # for the annotations: the analysis itself is imported once it runs
@@ -110,7 +110,7 @@ def fit(
         raise GlossError(f"Give either the dataset '{dataset}' or {' and '.join(tables)}, not both.")
     if dataset is None and not tables:
         raise GlossError("Nothing to fit. Give a dataset folder, or --pairs, --magnitudes or both with --stimuli.")
-    _check_replaceable(out)
+    check_replaceable(out, GlossSpace.load, what="gloss space that can be read")
     if dataset is not None:
         given = _from_dataset(dataset, stimuli)
     elif stimuli is not None:
@@ -136,18 +136,6 @@ def fit(
     note_simulated(simulated, given.participants)
     fitted.space.save(out)
     _show(fitted, out, simulated, (*fitted.warnings, *given.remarks), json=json)
-
-
-def _check_replaceable(out: Path) -> None:
-    """Refuse a file that is there and no gloss space: it may be somebody's data."""
-    check_file_target(out)
-    if out.exists():
-        try:
-            GlossSpace.load(out)
-        except GlossError:
-            raise GlossError(
-                f"'{out}' is there and is no gloss space that can be read. Choose another name for --out."
-            ) from None
 
 
 def _from_dataset(dataset: Path, stimuli: Path | None) -> _Judgements:

@@ -9,7 +9,7 @@ import pandas as pd
 
 from gloss_analysis.commands.observers import note_simulated, simulated_of
 from gloss_analysis.commands.waiting import FITTING
-from glossspace.console import JsonFlag, note, noted_if_slow, print_json, print_table
+from glossspace.console import JsonFlag, note, noted_if_slow, print_json, print_table, print_text
 from glossspace.errors import GlossError
 from glossspace.files import check_file_target
 
@@ -169,7 +169,7 @@ def hypotheses(
         )
         return
     print_table(hypotheses_table(compared, confirmed))
-    print("\n".join(sentences))
+    print_text(*sentences)
     for name, why in skipped.items():
         note(f"Not tested: {name}. {why}")
     for remark in remarks:

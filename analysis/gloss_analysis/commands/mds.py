@@ -27,7 +27,7 @@ from glossspace.console import (
     progress_bar,
 )
 from glossspace.errors import GlossError
-from glossspace.files import check_file_target, check_folder_target
+from glossspace.files import check_folder_target, check_replaceable
 
 if TYPE_CHECKING:
     from gloss_analysis.dimensionality.study import DimensionalityStudy
@@ -198,19 +198,9 @@ def _check_extras(
         if out is not None and out.resolve() == figures.resolve():
             raise GlossError(f"--out and --figures are both '{out}'. Give a file and a folder of other names.")
     if out is not None:
-        _check_replaceable(out)
+        from gloss_analysis.mds import load_solution
 
-
-def _check_replaceable(out: Path) -> None:
-    """Refuse a file that is there and no earlier solution: it may be somebody's data."""
-    from gloss_analysis.mds import load_solution
-
-    check_file_target(out)
-    if out.exists():
-        try:
-            load_solution(out)
-        except GlossError:
-            raise GlossError(f"'{out}' is there and is no scaling solution. Choose another name for --out.") from None
+        check_replaceable(out, load_solution, what="scaling solution")
 
 
 def _compile() -> None:

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 __all__ = [
     "PlannedStudy",
     "StudyOptions",
-    "all_pairs",
     "interval_columns",
+    "number_of_pairs",
     "numbers",
     "planned_study",
     "print_population",
@@ -111,10 +111,10 @@ def planned_study(options: StudyOptions) -> PlannedStudy:
         table = judged if table is None else table
     elif table is None:
         table = _experiment_1()
-    n = len(table)
-    if n < _FEWEST_STIMULI:
+    if (n := len(table)) < _FEWEST_STIMULI:
         raise GlossError(
-            f"'{options.stimuli}' holds {n} {'stimulus' if n == 1 else 'stimuli'}. A study needs at least 3."
+            f"'{options.stimuli or options.like}' holds {n} {'stimulus' if n == 1 else 'stimuli'}. A study needs at "
+            f"least {_FEWEST_STIMULI}. Add rows."
         )
     if options.space is not None or options.like is None:
         stated["ratio"] = space.weight_d / space.weight_c
@@ -147,7 +147,7 @@ def interval_columns(designs: "Sequence[DesignPrecision]") -> dict[str, list[str
     }
 
 
-def all_pairs(study: PlannedStudy) -> int:
+def number_of_pairs(study: PlannedStudy) -> int:
     """How many pairs of different stimuli there are.
 
     Raises

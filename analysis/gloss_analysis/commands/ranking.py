@@ -8,7 +8,17 @@ import numpy as np
 import pandas as pd
 
 from gloss_analysis.commands.observers import note_simulated, simulated_of
-from glossspace.console import FiniteNumber, JsonFlag, Seed, WholeNumber, note, print_json, print_table, progress_bar
+from glossspace.console import (
+    FiniteNumber,
+    JsonFlag,
+    Seed,
+    WholeNumber,
+    note,
+    print_json,
+    print_table,
+    print_text,
+    progress_bar,
+)
 from glossspace.errors import GlossError
 from glossspace.files import check_file_target
 from glossspace.named_space import named_space, note_simulated_space
@@ -124,7 +134,7 @@ def ranking(
         return
     print_table(pd.DataFrame([asdict(one) for one in study.participants]))
     print_table(study.stimuli)
-    print("\n".join(study.sentences))
+    print_text(*study.sentences)
 
 
 def _rankings(table: Path, task: str | None, reference: str | None) -> "tuple[Rankings, str]":

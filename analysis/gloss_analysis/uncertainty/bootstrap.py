@@ -244,7 +244,7 @@ def _trials(data: Dissimilarities, solution: MdsSolution) -> tuple[_Replicate, l
     m, n_pairs = data.values.shape
     trials = data.trials
     cell = np.empty(0, dtype=int) if trials is None else trials.source * n_pairs + trials.pair
-    _, where, repeats = np.unique(cell, return_inverse=True, return_counts=True)
+    cells, where, repeats = np.unique(cell, return_inverse=True, return_counts=True)
     if trials is None or repeats.max(initial=0) < 2:
         raise GlossError(
             "No participant judged a pair twice, so that trials cannot be drawn anew. Use resample = 'observers'."
@@ -270,7 +270,9 @@ def _trials(data: Dissimilarities, solution: MdsSolution) -> tuple[_Replicate, l
         refit = refitted(own, counts, solution, rows, rng)
         return None if refit is None else (counts, refit)
 
-    shown = np.sqrt(np.mean(1 - 1 / repeats))
+    # Of the error variance, to which a mean of k trials adds in proportion to 1 / k, and to the square of its weight.
+    error = (data.weights.ravel()[cells] / data.weights.max()) ** 2 / repeats
+    shown = np.sqrt(np.average(1 - 1 / repeats, weights=error))
     remark = (
         f"Redrawing {np.mean(repeats):.1f} judgements a pair shows about {100 * shown:.0f} % of the standard error."
     )

@@ -13,7 +13,7 @@ from gloss_analysis.uncertainty.alignment import aligned, procrustes_distance
 from gloss_analysis.uncertainty.bootstrap import bootstrap
 from gloss_analysis.uncertainty.ellipses import ellipse
 from gloss_analysis.uncertainty.jackknife import jackknife
-from gloss_analysis.uncertainty.refitting import geometric_mean_ratio, weight_ratio
+from gloss_analysis.uncertainty.refitting import geometric_mean_ratio, refitted, weight_ratio
 from glossspace.errors import GlossError
 from tests.analysis.studies import judged_by, named
 
@@ -157,6 +157,54 @@ def test_redrawn_trials_vary_as_much_as_their_noise():
     assert extents[1] > 2 * extents[0]
 
 
+@pytest.mark.parametrize("rule", ["mean", "weighted"])
+def test_the_share_of_the_standard_error_that_is_told_is_that_of_a_sum_of_means(rule):
+    """A third of the pairs judged four times, the others once; any linear estimate is a sum of the pairs' means.
+
+    Of a mean of k trials of variance 1 the variance is 1 / k, and (k - 1) / k**2 over redrawings (Efron and Tibshirani
+    1993, chapter 5). Weighted by their repeats, pairs add k**2 times as much.
+    """
+    one = judged_by([1.0, 1.8], noise_sd=5)
+    n_pairs = one.values.shape[1]
+    counts = np.where(np.arange(n_pairs) % 3 == 0, 4, 1)
+    pair = np.tile(np.repeat(np.arange(n_pairs), counts), 2)
+    source = np.repeat([0, 1], counts.sum())
+    noise = np.random.default_rng(1).standard_normal(len(pair))
+    trials = Trials(source, pair, one.values[source, pair] + 20 + noise, np.ones(len(pair)))
+    values, weights = trials.summarised(2, n_pairs, rule)
+    data = replace(one, values=values, pair_weights=weights if rule == "weighted" else None, trials=trials)
+    found = bootstrap(data, scale(data, n_dims=2, n_starts=1), n_replicates=2, resample="trials")
+    adds = np.where(counts == 4, 16, 1) if rule == "weighted" else np.ones(n_pairs)
+    shown = np.sqrt(np.sum(adds * (counts - 1) / counts**2) / np.sum(adds / counts))
+    assert found.warnings[0].startswith(f"Redrawing 2.0 judgements a pair shows about {100 * shown:.0f} % of")
+
+
+def test_trials_are_redrawn_with_their_weights(monkeypatch):
+    """Two trials a pair, 0 and 30 above a value, of weights 1 and 2: means of 0, 30, or 60 / 3 = 20 half the time."""
+    given = []
+
+    def spied(data, *rest):
+        given.append(data)
+        return refitted(data, *rest)
+
+    monkeypatch.setattr("gloss_analysis.uncertainty.bootstrap.refitted", spied)
+    one = judged_by([1.0, 1.8])
+    source, pair = (axis.ravel() for axis in np.indices(one.values.shape))
+    low = one.values.ravel()
+    trials = Trials(
+        np.tile(source, 2), np.tile(pair, 2), np.concatenate([low, low + 30]), np.repeat([1.0, 2.0], len(low))
+    )
+    values, weights = trials.summarised(*one.values.shape, "weighted")
+    data = replace(one, values=values, pair_weights=weights, trials=trials)
+    bootstrap(data, scale(data, n_dims=2, n_starts=1), n_replicates=4, resample="trials")
+    raised = np.array([(drawn.values - one.values) / 10 for drawn in given])
+    for value, weight, share in ((0, 2, 0.25), (2, 3, 0.5), (3, 4, 0.25)):
+        here = np.abs(raised - value) < 1e-9
+        # 2808 cells: four standard errors of a share of a half.
+        assert here.mean() == pytest.approx(share, abs=4 * 0.5 / np.sqrt(raised.size))
+        assert {*np.array([drawn.weights for drawn in given])[here]} == {weight}
+
+
 def test_weights_have_intervals(resampled):
     low, high = np.moveaxis(resampled.weight_intervals(), -1, 0)
     one = resampled.dimension_weights[:, 2, 1]
@@ -215,6 +263,37 @@ def test_jackknife_errors_are_those_of_the_formula(noisy):
     assert found.stress_error == pytest.approx(np.std(found.stress1) * np.sqrt(5), rel=1e-9)
     # Bootstrap and jackknife estimate one quantity; of six participants they agree to a factor of two.
     assert 0.5 < found.standard_error.mean() / bootstrap(*noisy, n_replicates=100).coordinates.std(axis=0).mean() < 2
+
+
+def test_the_interval_of_the_jackknife_is_that_of_the_formula(noisy):
+    """Student's on logarithms about the ratio of all, not about the mean of those without one each."""
+    _, solution = noisy
+    found = jackknife(*noisy)
+
+    def log_ratio(coordinates, weights):
+        extent = weights * coordinates.std(axis=0)  # coordinates are centred
+        return np.nanmean(np.log(extent[:, 1] / extent[:, 0]))
+
+    parts = np.array([log_ratio(*one) for one in zip(found.coordinates, found.dimension_weights, strict=True)])
+    centre = log_ratio(solution.coordinates, solution.dimension_weights)
+    half = student_t.ppf(0.95, 5) * np.sqrt(5 / 6 * np.sum((parts - parts.mean()) ** 2))
+    assert found.ratio_interval(level=0.9) == pytest.approx(np.exp([centre - half, centre + half]), rel=1e-9)
+
+
+def test_participants_who_count_more_count_more_in_every_replicate(noisy):
+    """Drawn twice with a weight of 4 is as good as being there twice with that weight."""
+    data, _ = noisy
+    own = replace(data, source_weights=np.array([1.0, 4.0, 1.0, 0.5, 2.0, 1.0]))
+    counts = np.array([2, 1, 1, 2])
+    rows = np.array([0, 1, 3, 4])
+    repeated = own.take(np.repeat(rows, counts), list("abcdef"))
+    full = scale(repeated, n_dims=2, level="ratio", n_starts=10)
+    solution = scale(own, n_dims=2, level="ratio", n_starts=10)
+    found = refitted(own.take(rows), counts, solution, rows, np.random.default_rng(0))
+    # Searches end within 1e-9 of their objective.
+    assert found.stress1 == pytest.approx(full.stress1, rel=1e-6)
+    plain = refitted(data.take(rows), counts, solution, rows, np.random.default_rng(0))
+    assert plain.stress1 != pytest.approx(full.stress1, rel=1e-3)
 
 
 def test_who_judged_nothing_is_never_drawn(noisy):
