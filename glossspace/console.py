@@ -27,6 +27,7 @@ __all__ = [
     "noted_if_slow",
     "print_json",
     "print_table",
+    "print_text",
     "printable",
     "progress_bar",
 ]
@@ -101,7 +102,8 @@ def print_table(rows: pd.DataFrame, *, title: str | None = None) -> None:
     """Print a data frame as a table on stdout: numbers to six significant digits, NaN as a dash."""
     if len(rows) > _LONG_TABLE:
         note(f"Setting a table of {len(rows):,} lines, which takes a while; --json does not.")
-    table = Table(*(str(column) for column in rows.columns), title=title, title_justify="left")
+    columns = (printable(str(column)) for column in rows.columns)
+    table = Table(*columns, title=None if title is None else printable(title), title_justify="left")
     for row in rows.itertuples(index=False):
         table.add_row(*(_cell(value) for value in row))
     # Without markup and emoji: names from files may hold brackets and colons.
@@ -128,6 +130,11 @@ def printable(text: str) -> str:
     'a�[2Jb'
     """
     return "".join("�" if unicodedata.category(sign) == "Cc" and sign not in "\n\t" else sign for sign in text)
+
+
+def print_text(*lines: str) -> None:
+    """Print lines on stdout in which names from files stand."""
+    print(printable("\n".join(lines)))
 
 
 def note(message: str) -> None:

@@ -5,7 +5,7 @@ import json
 import os
 import tempfile
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from glossspace.errors import GlossError
 __all__ = [
     "check_file_target",
     "check_folder_target",
+    "check_replaceable",
     "read_json",
     "read_toml",
     "sha256_of",
@@ -44,6 +45,32 @@ def check_file_target(path: str | Path) -> None:
         if path.exists() and not path.is_file():
             raise GlossError(f"Cannot write '{path}': it is no ordinary file. Give the name of a file.")
         check_folder_target(path.parent)
+
+
+def check_replaceable(path: str | Path, read: Callable[[Path], object], *, what: str) -> None:
+    """Check a command's ``--out`` as `check_file_target`, and refuse another's file there: it may hold somebody's data.
+
+    Parameters
+    ----------
+    path : path
+        What is to be written. An empty file may be replaced by anything.
+    read : callable
+        Reads a file of the command's own kind, and raises `GlossError` for any other.
+    what : str
+        Name of that kind.
+
+    Raises
+    ------
+    GlossError
+        A file of another kind is there, or see `check_file_target`.
+    """
+    path = Path(path)
+    check_file_target(path)
+    if path.exists() and path.stat().st_size > 0:
+        try:
+            read(path)
+        except GlossError:
+            raise GlossError(f"'{path}' is there and is no {what}. Choose another name for --out.") from None
 
 
 def check_folder_target(path: str | Path) -> None:

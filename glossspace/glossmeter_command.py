@@ -12,7 +12,7 @@ from glossspace.errors import GlossError
 
 __all__ = ["glossmeter"]
 
-# Relative error of a reading above which it is said: no glossmeter is nearer.
+# Relative error above which it is said. Glossmeters do not agree with each other to that.
 _SURE = 1e-4
 
 glossmeter = App(

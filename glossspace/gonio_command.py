@@ -12,7 +12,7 @@ from cyclopts import App
 
 from glossspace.console import FiniteNumber, JsonFlag, note, print_json, print_table, progress_bar
 from glossspace.errors import GlossError
-from glossspace.files import check_file_target, whole_file, write_text
+from glossspace.files import check_file_target, check_replaceable, whole_file, write_text
 from glossspace.user_table import read_user_table
 
 __all__ = ["gonio"]
@@ -261,13 +261,18 @@ def spectrum(
 
 @contextmanager
 def _unsure_values_noted() -> Iterator[None]:
-    """Say once, instead of at every position, how unsure the quadrature was."""
+    """Say once, instead of at every position, how unsure the quadrature was; other warnings go on."""
     from glossspace.instruments.quadrature import QuadratureWarning
 
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", QuadratureWarning)
         yield
-    errors = [one.message.relative_error for one in caught if isinstance(one.message, QuadratureWarning)]
+    errors = []
+    for one in caught:
+        if isinstance(one.message, QuadratureWarning):
+            errors.append(one.message.relative_error)
+        else:
+            warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
     if errors:
         note(f"Note: the quadrature knows some of these values to ±{100 * max(errors):.2g} % only.")
 
@@ -277,20 +282,18 @@ def _check_targets(out: Path | None, figure: Path | None) -> None:
         raise GlossError(f"Invalid figure '{figure}'. Allowed: a file name that ends in {', '.join(_FIGURE_SUFFIXES)}.")
     if out is not None and figure is not None and out.resolve() == figure.resolve():
         raise GlossError(f"--out and --figure are both '{out}': one would replace the other. Name two files.")
-    for path in (out, figure):
-        if path is not None:
-            check_file_target(path)
-    if out is not None and out.exists() and not _is_our_table(out):
-        raise GlossError(f"'{out}' is there and is no scan or spectrum. Choose another name for --out.")
+    if out is not None:
+        check_replaceable(out, _read_table, what="scan or spectrum")
+    if figure is not None:
+        check_file_target(figure)
 
 
-def _is_our_table(path: Path) -> bool:
-    """Whether an earlier call wrote this file; anything else may be somebody's data."""
-    try:
-        columns = read_user_table(path, what="table", columns=()).columns
-    except GlossError:
-        return False
-    return any(set(needed) <= set(columns) for needed in (_SCAN_COLUMNS, _SPECTRUM_COLUMNS))
+def _read_table(path: Path) -> pd.DataFrame:
+    """A scan or spectrum that an earlier call wrote."""
+    table = read_user_table(path, what="table", columns=())
+    if not any(set(needed) <= set(table.columns) for needed in (_SCAN_COLUMNS, _SPECTRUM_COLUMNS)):
+        raise GlossError(f"'{path}' is no scan or spectrum.")
+    return table
 
 
 def _deliver(

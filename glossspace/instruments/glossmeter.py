@@ -99,6 +99,11 @@ def gloss_units(
     GlossError
         The angle or reading is unknown, or the wavelengths do not fit the model.
 
+    Warns
+    -----
+    QuadratureWarning
+        The physical reading is not known to a thousandth.
+
     Examples
     --------
     >>> from glossspace.reflectance import Ward
@@ -132,6 +137,11 @@ def gloss_reading(
     ------
     GlossError
         The reading is unknown, or the wavelengths do not fit the model.
+
+    Warns
+    -----
+    QuadratureWarning
+        A physical reading is not known to a thousandth; `relative_error` says to what.
 
     Examples
     --------

@@ -90,6 +90,11 @@ def reflected_flux(
     GlossError
         A radiance or the area is impossible, or the shapes do not fit.
 
+    Warns
+    -----
+    QuadratureWarning
+        The mean over the apertures is not known to a thousandth.
+
     Examples
     --------
     >>> from glossspace.reflectance import Lambert
@@ -121,6 +126,11 @@ def measured_brdf(sample: ReflectanceModel | Specimen, source: Aperture, detecto
     -------
     ndarray of float64, shape () or (K,)
         ``∫∫ f cosθi cosθr dωi dωr / ∫∫ cosθi cosθr dωi dωr``.
+
+    Warns
+    -----
+    QuadratureWarning
+        The mean over the apertures is not known to a thousandth.
 
     Examples
     --------

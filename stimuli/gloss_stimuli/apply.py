@@ -10,8 +10,8 @@ import pandas as pd
 
 from gloss_stimuli.applied_figures import draw_isogloss_ring, draw_matched_spheres, save_figure
 from gloss_stimuli.applied_set import AppliedSet
-from gloss_stimuli.isogloss_ring import PAPER_RADII, PAPER_REFERENCE, isogloss_ring
-from gloss_stimuli.matched_spheres import PAPER_RHO_DS, PAPER_WHITE, matched_spheres
+from gloss_stimuli.isogloss_ring import PAPER_RADII, PAPER_REFERENCE, RING, isogloss_ring
+from gloss_stimuli.matched_spheres import MATCHED, PAPER_RHO_DS, PAPER_WHITE, matched_spheres
 from gloss_stimuli.render import render_set
 from gloss_stimuli.sets import StimulusList
 from glossspace.console import note
@@ -29,7 +29,7 @@ LIST = "stimuli.toml"
 
 # What tells a table and a list that were made here from those of somebody else.
 _TABLE_COLUMNS = ("stimulus", "rho_d", "rho_s", "alpha", "c", "d", "distance")
-_NAMES = ("ring", "matched")
+_NAMES = (RING, MATCHED)
 
 
 def render_isogloss_ring(
@@ -47,9 +47,9 @@ def render_isogloss_ring(
     ----------
     out : path
         The folder to fill: a stimulus set, with `stimuli.csv` (where its paints lie in the space), `stimuli.toml` (the
-        same paints as a list for `gloss render`), and the figure as `ring.png` and `ring.svg`. Called again, only what
-        changed is rendered, and pictures of paints that are no longer in the set are removed. A `stimuli.csv` or
-        `stimuli.toml` of somebody else is not replaced.
+        same paints as a list for `gloss render`), and the figure as `ring.png`, `.svg` and `.pdf`. Called again,
+        only what changed is rendered, and pictures of paints that are no longer in the set are removed. A `stimuli.csv`
+        or `stimuli.toml` of somebody else is not replaced.
     space, reference, radii, n
         See `gloss_stimuli.isogloss_ring.isogloss_ring`.
     rendering
@@ -66,7 +66,7 @@ def render_isogloss_ring(
     """
     applied = isogloss_ring(space, reference=reference, radii=radii, n=n)
     rendered = _render(applied, Path(out), rendering)
-    save_figure(draw_isogloss_ring(applied, rendered), Path(out) / "ring")
+    save_figure(draw_isogloss_ring(applied, rendered), Path(out) / RING)
     return rendered
 
 
@@ -83,7 +83,7 @@ def render_matched_spheres(
     Parameters
     ----------
     out : path
-        As for `render_isogloss_ring`, with the figure as `matched.png` and `matched.svg`.
+        As for `render_isogloss_ring`, with the figure as `matched.png`, `.svg` and `.pdf`.
     space, reference, rho_ds
         See `gloss_stimuli.matched_spheres.matched_spheres`.
     rendering
@@ -100,7 +100,7 @@ def render_matched_spheres(
     """
     applied = matched_spheres(space, reference=reference, rho_ds=rho_ds)
     rendered = _render(applied, Path(out), rendering)
-    save_figure(draw_matched_spheres(applied, rendered), Path(out) / "matched")
+    save_figure(draw_matched_spheres(applied, rendered), Path(out) / MATCHED)
     return rendered
 
 
@@ -124,7 +124,8 @@ def _check_replaceable(out: Path) -> None:
     for name, is_ours in ((TABLE, _is_our_table), (LIST, _is_our_list)):
         if (out / name).exists() and not is_ours(out / name):
             raise GlossError(
-                f"'{out / name}' is there, was not made by this command, and would be replaced. Choose another folder."
+                f"'{out / name}' is there, was not made by this command, and would be replaced. Choose another folder "
+                "for --out."
             )
 
 

@@ -11,7 +11,10 @@ from glossspace.errors import GlossError
 from glossspace.metric import PAPER_SPACE, GlossSpace, IsoglossContour, Paint, isogloss_contour
 from glossspace.stimulus_set import Stimulus
 
-__all__ = ["PAPER_RADII", "PAPER_REFERENCE", "isogloss_ring"]
+__all__ = ["PAPER_RADII", "PAPER_REFERENCE", "RING", "isogloss_ring"]
+
+RING = "ring"
+"""The name of its set and its figure."""
 
 PAPER_REFERENCE = Paint(0.193, 0.066, 0.07)
 """The reference of figure 11: c = .087, d = .93."""
@@ -76,7 +79,7 @@ def isogloss_ring(
         )
     stimuli, radius_of, angle_deg = zip(*rows, strict=True)
     title = f"Gloss distances {_listed(radii)} from {stimuli[0].name}, in the space: {space_label(space)}"
-    wanted = StimulusList("ring", title, tuple(stimuli))
+    wanted = StimulusList(RING, title, tuple(stimuli))
     paints = Paint(*np.array([(s.rho_d, s.rho_s, s.alpha) for s in stimuli]).T)
     c, d = space.coordinates(paints)
     table = pd.DataFrame(

@@ -11,7 +11,10 @@ from glossspace.errors import GlossError
 from glossspace.metric import PAPER_SPACE, GlossSpace, Paint, match_gloss
 from glossspace.stimulus_set import Stimulus
 
-__all__ = ["PAPER_RHO_DS", "PAPER_WHITE", "matched_spheres"]
+__all__ = ["MATCHED", "PAPER_RHO_DS", "PAPER_WHITE", "matched_spheres"]
+
+MATCHED = "matched"
+"""The name of their set and its figure."""
 
 PAPER_WHITE = Paint(0.767, 0.099, 0.04)
 """The white paint of figure 12, which its bottom row matches: c = .058, d = .96."""
@@ -70,7 +73,7 @@ def matched_spheres(
     missing = np.array(columns)[~reached]
     stimuli = tuple(dict.fromkeys([*physical, *apparent]))
     title = f"Physical and apparent gloss of {own.name} on other lightnesses, in the space: {space_label(space)}"
-    wanted = StimulusList("matched", title, stimuli)
+    wanted = StimulusList(MATCHED, title, stimuli)
     paints = Paint(*np.array([(s.rho_d, s.rho_s, s.alpha) for s in stimuli]).T)
     c, d = space.coordinates(paints)
     table = pd.DataFrame(

@@ -26,7 +26,9 @@ def test_slow_work_is_announced_and_quick_work_is_not(capsys, monkeypatch):
 @pytest.mark.parametrize("sign", ["\x1b", "\x07", "\x7f", "\x00", "\r", "\x9b"])
 def test_names_from_files_do_not_command_the_terminal(capsys, sign):
     console.note(f"No 'a{sign}[2J' here.")
-    console.print_table(pd.DataFrame({"name": [f"b{sign}[2J\nc"]}))
+    console.print_table(pd.DataFrame({f"axis{sign}": [f"b{sign}[2J\nc"]}), title=f"of {sign}[2J")
+    console.print_text(f"d{sign}[2J", "e")
     out, err = capsys.readouterr()
     assert sign not in out + err
+    assert out.endswith("\nd�[2J\ne\n")
     assert err == "No 'a�[2J' here.\n"

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from glossspace.errors import GlossError
 from glossspace.files import (
     check_file_target,
     check_folder_target,
+    check_replaceable,
     read_json,
     sha256_of,
     shipped_folder,
@@ -120,6 +122,20 @@ class TestTargets:
         check_file_target(tmp_path / "new" / "a.txt")
         check_folder_target(tmp_path / "new" / "folder")
         assert names(tmp_path) == []
+
+    def test_only_files_of_the_same_kind_and_empty_ones_may_be_replaced(self, tmp_path):
+        def check(name):
+            check_replaceable(tmp_path / name, partial(read_json, what="space"), what="space")
+
+        write_json(tmp_path / "ours", {"a": 1})
+        write_text(tmp_path / "data", "participant_id,rating\n")
+        write_text(tmp_path / "empty", "")
+        for name in ("ours", "empty", "absent"):
+            check(name)
+        with pytest.raises(GlossError, match=r"data' is there and is no space\. Choose another name for --out\.$"):
+            check("data")
+        with pytest.raises(GlossError, match="it is a folder"):
+            check(".")
 
     def test_files_on_the_way(self, tmp_path):
         (tmp_path / "a").touch()

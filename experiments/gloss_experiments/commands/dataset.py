@@ -8,7 +8,7 @@ from pathlib import Path
 from cyclopts import App
 from rich.progress import TaskID
 
-from glossspace.console import JsonFlag, note, print_json, progress_bar
+from glossspace.console import JsonFlag, note, print_json, print_text, progress_bar
 from glossspace.errors import GlossError
 
 __all__ = ["dataset"]
@@ -62,7 +62,7 @@ def check(folder: Path, /, *, stimuli: Path | None = None, json: JsonFlag = Fals
         print_json({"dataset": str(folder), "whole": not found.problems} | asdict(found))
     else:
         for problem in found.problems:
-            print(problem)
+            print_text(problem)
         if not found.problems:
             print(
                 f"'{folder}' is whole: {found.n_data_files} data files, {found.n_journals} journals, "
@@ -119,7 +119,7 @@ def rebuild(folder: Path, /, *, json: JsonFlag = False) -> None:
             pilot = " (pilot)" if one.pilot else ""
             unfinished = f"not finished, {one.n_answered} of {one.n_trials} trials: no data file"
             problem = "" if one.problem is None else f" {one.problem}"
-            print(f"{one.name}{pilot}: {words.get(one.outcome, unfinished)}.{problem}")
+            print_text(f"{one.name}{pilot}: {words.get(one.outcome, unfinished)}.{problem}")
     if unreadable:
         raise GlossError(
             f"{len(unreadable)} of {len(sessions)} journals cannot be read, first '{unreadable[0].journal}': "

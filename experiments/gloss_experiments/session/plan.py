@@ -218,7 +218,7 @@ def _check_against_other_parts(plan: SessionPlan) -> None:
                     "the sessions would not make up the design that is split over them. Go back to what it was, "
                     "or give another participant."
                 )
-        # Journals of the first version lack them. The hash of the images is that of whatever order.
+        # Not in journals of the first version. The hash over all images, compared above, is the same in any order.
         images = header.get("stimulus_sha256")
         if isinstance(images, dict) and list(images) != list(plan.image_hashes):
             raise GlossError(

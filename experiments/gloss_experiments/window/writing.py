@@ -124,10 +124,12 @@ def require_font(window: Any, protocol: Protocol) -> None:
     face = getattr(_load(name, protocol.texts.size_px), "face", None)
     missing = [] if face is None else [sign for sign in signs if not face.get_character_index(sign)]
     if missing:
-        listed = " ".join(missing[:_MOST_SIGNS]) + (" …" if len(missing) > _MOST_SIGNS else "")
+        some = missing[:_MOST_SIGNS]
+        listed = " ".join(some) + (" …" if len(missing) > len(some) else "")
+        codes = " ".join(f"{ord(sign):x}" for sign in some)
         raise GlossError(
             f"texts.font '{name}' has no sign for: {listed}. Name an installed font that has them, such as "
-            f"'fc-list :charset={ord(missing[0]):x} family' lists."
+            f"'fc-list \":charset={codes}\" family' lists."
         )
     undrawn = [] if face is None else _undrawn(shown)
     if undrawn:
