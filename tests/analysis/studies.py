@@ -8,7 +8,7 @@ import pandas as pd
 from gloss_analysis.judgements.dissimilarity import Dissimilarities
 from glossspace.metric import contrast_gloss, distinctness
 
-__all__ = ["CONTRAST", "DOI", "EXPERIMENT_1", "STIMULI", "axis_values", "judged_by", "named"]
+__all__ = ["CONTRAST", "DOI", "EXPERIMENT_1", "RATIOS_OF_SIX", "STIMULI", "axis_values", "judged_by", "named"]
 
 EXPERIMENT_1 = pd.DataFrame(
     [
@@ -43,6 +43,9 @@ DOI = pd.DataFrame(
 
 STIMULI = EXPERIMENT_1["stimulus"].tolist()[:8]
 """Names of eight of them, for what need not be large."""
+
+# Ratios of weights of six participants who differ.
+RATIOS_OF_SIX = [0.8, 1.2, 1.8, 1.8, 2.5, 3.5]
 
 
 def axis_values() -> np.ndarray:

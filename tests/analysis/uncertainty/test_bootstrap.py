@@ -4,26 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.spatial import procrustes
 from scipy.stats import t as student_t
 
 from gloss_analysis.judgements.dissimilarity import Dissimilarities, Trials
 from gloss_analysis.mds import scale
-from gloss_analysis.uncertainty.alignment import aligned, procrustes_distance
+from gloss_analysis.uncertainty.alignment import aligned
 from gloss_analysis.uncertainty.bootstrap import bootstrap
 from gloss_analysis.uncertainty.ellipses import ellipse
 from gloss_analysis.uncertainty.jackknife import jackknife
 from gloss_analysis.uncertainty.refitting import geometric_mean_ratio, refitted, weight_ratio
 from glossspace.errors import GlossError
-from tests.analysis.studies import judged_by, named
-
-RATIOS = [0.8, 1.2, 1.8, 1.8, 2.5, 3.5]
-
-
-@pytest.fixture(scope="module")
-def noisy():
-    data = judged_by(RATIOS, noise_sd=8, integers=True)
-    return data, scale(data, n_dims=2, n_starts=20)
+from tests.analysis.studies import RATIOS_OF_SIX, judged_by, named
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +90,7 @@ def test_the_group_ratio_is_found_with_its_uncertainty(noisy, resampled):
     low, high = resampled.ratio_interval()
     assert low < whole < high
     # A spread of .53 in log ratio among six participants makes a standard error of .22, and the interval this wide.
-    assert np.log(high / low) == pytest.approx(2 * 1.96 * np.std(np.log(RATIOS)) / np.sqrt(6), rel=0.35)
+    assert np.log(high / low) == pytest.approx(2 * 1.96 * np.std(np.log(RATIOS_OF_SIX)) / np.sqrt(6), rel=0.35)
     left = jackknife(data, solution).ratio_interval()
     # The t quantile of five degrees of freedom, 2.57, and the variance's correction make it longer.
     assert np.log(left[1] / left[0]) > np.log(high / low)
@@ -242,44 +233,6 @@ def test_trials_are_summarised_as_the_values_were():
         bootstrap(raised, of_raised, n_replicates=3, resample="trials")
 
 
-def test_an_outlier_has_the_most_influence():
-    usual = judged_by([1.8, 1.8, 1.8, 1.8, 1.8], noise_sd=4)
-    other = np.random.default_rng(0).permutation(usual.values[2])
-    values = usual.values.copy()
-    values[2] = other
-    data = replace(usual, values=values)
-    found = jackknife(data, scale(data, n_dims=2, model="identity", n_starts=10))
-    assert found.participants[int(np.argmax(found.influence))] == "p2"
-    # One who judged at random moves the points clearly more than any of the others, who differ by noise.
-    assert np.sort(found.influence)[-1] > 1.5 * np.sort(found.influence)[-2]
-    assert found.stress1[2] == min(found.stress1)
-
-
-def test_jackknife_errors_are_those_of_the_formula(noisy):
-    found = jackknife(*noisy)
-    deviation = found.coordinates - found.coordinates.mean(axis=0)
-    expected = np.sqrt(5 / 6 * np.sum(deviation**2, axis=0))
-    assert found.standard_error == pytest.approx(expected, abs=1e-12)
-    assert found.stress_error == pytest.approx(np.std(found.stress1) * np.sqrt(5), rel=1e-9)
-    # Bootstrap and jackknife estimate one quantity; of six participants they agree to a factor of two.
-    assert 0.5 < found.standard_error.mean() / bootstrap(*noisy, n_replicates=100).coordinates.std(axis=0).mean() < 2
-
-
-def test_the_interval_of_the_jackknife_is_that_of_the_formula(noisy):
-    """Student's on logarithms about the ratio of all, not about the mean of those without one each."""
-    _, solution = noisy
-    found = jackknife(*noisy)
-
-    def log_ratio(coordinates, weights):
-        extent = weights * coordinates.std(axis=0)  # coordinates are centred
-        return np.nanmean(np.log(extent[:, 1] / extent[:, 0]))
-
-    parts = np.array([log_ratio(*one) for one in zip(found.coordinates, found.dimension_weights, strict=True)])
-    centre = log_ratio(solution.coordinates, solution.dimension_weights)
-    half = student_t.ppf(0.95, 5) * np.sqrt(5 / 6 * np.sum((parts - parts.mean()) ** 2))
-    assert found.ratio_interval(level=0.9) == pytest.approx(np.exp([centre - half, centre + half]), rel=1e-9)
-
-
 def test_participants_who_count_more_count_more_in_every_replicate(noisy):
     """Drawn twice with a weight of 4 is as good as being there twice with that weight."""
     data, _ = noisy
@@ -324,33 +277,6 @@ def test_the_coverage_that_is_told_is_that_of_a_mean():
     covered = 2 * student_t.cdf(1.96 * np.sqrt(8 / 9), 8) - 1
     assert covered == pytest.approx(0.90, abs=0.005)
     assert "9 participants covers about 90 %" in found.warnings[0]
-
-
-def test_alignment_undoes_what_the_model_leaves_open():
-    rng = np.random.default_rng(4)
-    points = rng.standard_normal((12, 3)) * [3.0, 2.0, 1.0]
-    weights = rng.uniform(0.5, 2, (5, 3))
-    transforms = weights[:, :, np.newaxis] * np.eye(3)
-    target, own = aligned(points, transforms, points, model="weighted")
-    order, sign = [2, 0, 1], np.array([-1.0, 1.0, -1.0])
-    moved, turned = aligned(
-        7 + points[:, order] * sign * 3, transforms[:, order][:, :, order], target, model="weighted"
-    )
-    assert moved == pytest.approx(target, abs=1e-12)
-    assert turned == pytest.approx(own, abs=1e-12)
-    turn, _ = np.linalg.qr(rng.standard_normal((3, 3)))
-    for model in ("identity", "generalised"):
-        target, own = aligned(points, transforms, points, model=model)
-        moved, turned = aligned(points @ turn, turn.T @ transforms @ turn, target, model=model)
-        assert moved == pytest.approx(target, abs=1e-9)
-        if model == "generalised":
-            assert turned == pytest.approx(own, abs=1e-9)
-
-
-def test_the_procrustes_distance_is_that_of_scipy():
-    a, b = np.random.default_rng(5).standard_normal((2, 10, 2))
-    assert procrustes_distance(a, b) == pytest.approx(np.sqrt(procrustes(a, b)[2]), abs=1e-12)
-    assert procrustes_distance(a, np.zeros((10, 2))) == 1.0
 
 
 def test_ratios_of_one_dimension_alone_are_limited():
